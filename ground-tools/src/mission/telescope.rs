@@ -1,0 +1,216 @@
+//! What does the spacecraft carry: telescopes, their plates, fields of view and detectors.
+//!
+//! Frames: `boresight_quaternion_xyzw` takes telescope components to the mission boresight frame,
+//! a detector's `quaternion_xyzw` takes detector components to its telescope's. What leaves here is
+//! `Rotation<Detector, Boresight>`, the product. `hwp_sign` +1 is the sense of the crossing angle.
+//!
+//! Limits: detectors from a file are not read; a grid of detectors is checked but not laid out (the
+//! mission then carries a warning).
+
+use crate::document::Value;
+use crate::fault::{Problem, Warning};
+use crate::mission::scan::{PHASE, phase_of_degrees};
+use crate::number::Number;
+use crate::range::Range;
+use crate::rounding;
+use crate::section::Section;
+use onboard_core::field_of_view::FieldOfView;
+use onboard_core::frame::{self, Boresight};
+use onboard_core::phase::Rotor;
+use onboard_core::rotation::{NORM_TOLERANCE, Rotation, RotationError};
+
+/// A telescope as mounted.
+#[derive(Debug, Clone)]
+pub struct Telescope {
+    /// Unique in the mission.
+    pub name: String,
+    /// Telescope frame into mission boresight frame.
+    pub rotation: Rotation<frame::Telescope, Boresight>,
+    /// Rate of the half-wave plate.
+    pub hwp_rate_rpm: Option<Number>,
+    /// The half-wave plate with its sign and start phase.
+    pub hwp: Option<Rotor>,
+    /// Full width of the beam at half maximum.
+    pub fwhm_arcmin: Number,
+    /// The same in radians.
+    pub fwhm_rad: f64,
+    /// `None` is the circle of `calibration.radius_deg`.
+    pub field_of_view: Option<FieldOfView>,
+    /// The detectors listed.
+    pub detectors: Vec<NamedDetector>,
+    /// Spacing of a grid of detectors over the field of view.
+    pub detector_grid_deg: Option<Number>,
+}
+
+/// A detector as mounted.
+#[derive(Debug, Clone)]
+pub struct NamedDetector {
+    /// Unique in its telescope.
+    pub name: String,
+    /// Detector frame into mission boresight frame.
+    pub rotation: Rotation<frame::Detector, Boresight>,
+    /// Polarisation angle from the detector's x axis.
+    pub polarisation_angle_deg: Number,
+    /// The same in radians.
+    pub polarisation_angle_rad: f64,
+}
+
+const HWP_RATE: Range = Range::positive("a rate", 1e6, "rpm")
+    .if_negative("; hwp_sign = -1 reverses the plate, \"none\" removes it");
+const FWHM: Range = Range::positive("an angle", 10800.0, "arcmin");
+const RADIUS: Range = Range::positive("an angle", 180.0, "deg");
+const SIDE: Range = Range::positive("an angle", 180.0, "deg").below_high();
+const COMPONENT: Range = Range::closed("a component", -1.000_001, 1.000_001, "");
+const SPACING: Range = Range::positive("an angle", 180.0, "deg");
+
+impl Telescope {
+    pub(crate) fn read(section: &mut Section<'_>) -> Self {
+        let name = section.name("name", None);
+        let rotation = rotation(section, "boresight_quaternion_xyzw");
+        let hwp_rate_rpm = section.optional_number("hwp_rate_rpm", &HWP_RATE);
+        let sign = section.sign("hwp_sign");
+        let phase = section.number("hwp_phase_deg", &PHASE, Some("0.0"));
+        let fwhm_arcmin = section.number("fwhm_arcmin", &FWHM, None);
+        let field_of_view = field_of_view(section, rotation);
+        let detectors = section.tables("detector", |s| NamedDetector::read(s, rotation));
+        duplicates(section, "detector", detectors.iter().map(|detector| detector.name.as_str()));
+        let detector_grid_deg = detector_source(section);
+        if !detectors.is_empty() && detector_grid_deg.is_some() {
+            let problem = Problem::Exclusive {
+                first: section.key("detector"),
+                second: section.key("detectors"),
+            };
+            section.fault(&section.place_of("detectors"), problem);
+        }
+        Self {
+            name,
+            rotation,
+            hwp: hwp_rate_rpm.as_ref().and_then(|rpm| {
+                let rate = rounding::turn_rate(&rpm.times(sign.into(), 60))?;
+                Some(Rotor { rate, start: phase_of_degrees(&phase) })
+            }),
+            hwp_rate_rpm,
+            fwhm_rad: rounding::radians(&fwhm_arcmin.times(1, 60)),
+            fwhm_arcmin,
+            field_of_view,
+            detectors,
+            detector_grid_deg,
+        }
+    }
+
+    pub(crate) fn warning(&self) -> Option<Warning> {
+        let key = format!("telescope.{}.detectors.grid_deg", self.name);
+        self.detector_grid_deg.as_ref().map(|_| Warning::NotHonoured { key })
+    }
+}
+
+impl NamedDetector {
+    fn read(section: &mut Section<'_>, telescope: Rotation<frame::Telescope, Boresight>) -> Self {
+        let name = section.name("name", None);
+        let in_telescope: Rotation<frame::Detector, frame::Telescope> =
+            rotation(section, "quaternion_xyzw");
+        let angle = section.number("polarisation_angle_deg", &PHASE, Some("0.0"));
+        Self {
+            name,
+            rotation: in_telescope.then(telescope),
+            polarisation_angle_rad: rounding::radians(angle.exact()),
+            polarisation_angle_deg: angle,
+        }
+    }
+}
+
+/// A unit quaternion; the identity where it is absent or faulty.
+fn rotation<A, B>(section: &mut Section<'_>, key: &'static str) -> Rotation<A, B> {
+    let Some(numbers) = section.numbers(key, &COMPONENT, ["0.0", "0.0", "0.0", "1.0"]) else {
+        return Rotation::IDENTITY;
+    };
+    match Rotation::from_xyzw(numbers.map(|number| number.to_f64())) {
+        Ok(rotation) => rotation,
+        Err(error) => {
+            let norm = match error {
+                RotationError::NotUnit(norm) => norm,
+                RotationError::NotFinite => f64::INFINITY,
+            };
+            let problem = Problem::OutOfRange {
+                key: format!("the norm of {}", section.key(key)),
+                value: norm.to_string(),
+                need: format!("a unit quaternion [x, y, z, w] to {NORM_TOLERANCE:e}"),
+                hint: "",
+            };
+            section.fault(&section.place_of(key), problem);
+            Rotation::IDENTITY
+        }
+    }
+}
+
+fn field_of_view(
+    section: &mut Section<'_>,
+    rotation: Rotation<frame::Telescope, Boresight>,
+) -> Option<FieldOfView> {
+    section.inline("field_of_view", |section| {
+        let circle = section.has("radius_deg");
+        let rectangle = section.has("width_deg") || section.has("height_deg");
+        if circle && rectangle {
+            let side = if section.has("width_deg") { "width_deg" } else { "height_deg" };
+            let problem =
+                Problem::Exclusive { first: section.key("radius_deg"), second: section.key(side) };
+            section.fault(&section.place_of("radius_deg"), problem);
+        }
+        if rectangle {
+            let width = section.number("width_deg", &SIDE, None);
+            let height = section.number("height_deg", &SIDE, None);
+            section.knows(&["radius_deg"]);
+            let rad = |n: &Number| rounding::radians(n.exact());
+            FieldOfView::rectangle(rotation, rad(&width), rad(&height)).ok()
+        } else {
+            let radius = section.number("radius_deg", &RADIUS, None);
+            section.knows(&["width_deg", "height_deg"]);
+            FieldOfView::circle(rotation, rounding::radians(radius.exact())).ok()
+        }
+    })?
+}
+
+/// `detectors = { grid_deg }` or `{ file, channel }`.
+fn detector_source(section: &mut Section<'_>) -> Option<Number> {
+    let file_key = section.key("detectors.file");
+    let spacing = section.inline("detectors", |section| {
+        let file = section.find("file");
+        section.knows(&["channel"]);
+        if let Some(node) = file {
+            let problem = Problem::Unsupported {
+                key: file_key,
+                value: node.value.to_string(),
+                need: "a list of [[telescope.detector]] tables".to_owned(),
+            };
+            section.fault(&node.place, problem);
+            section.knows(&["grid_deg"]);
+            None
+        } else {
+            Some(section.number("grid_deg", &SPACING, None))
+        }
+    });
+    spacing.flatten()
+}
+
+/// Faults for names that occur twice in a list of tables.
+pub(crate) fn duplicates<'n>(
+    section: &Section<'_>,
+    key: &str,
+    names: impl Iterator<Item = &'n str>,
+) {
+    let mut seen: Vec<&str> = Vec::new();
+    for (index, name) in names.enumerate() {
+        if !name.is_empty() && seen.contains(&name) {
+            let place = match section.node_of(key).map(|node| &node.value) {
+                Some(Value::List(items)) => items.get(index).map(|item| item.place.clone()),
+                _ => None,
+            };
+            let problem = Problem::Duplicate {
+                key: format!("{}.{index}.name", section.key(key)),
+                value: name.to_owned(),
+            };
+            section.fault(&place.unwrap_or_else(|| section.place_of(key)), problem);
+        }
+        seen.push(name);
+    }
+}

@@ -1,0 +1,21 @@
+//! The missions that come with the program.
+//!
+//! Each is a mission file whose comments name the publication behind its numbers.
+
+/// The presets' names, the default first.
+pub const NAMES: [&str; 6] = ["litebird", "pico", "planck", "wmap", "epic", "core"];
+
+/// The text of a preset.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static str> {
+    let text = match name {
+        "litebird" => include_str!("../presets/litebird.toml"),
+        "pico" => include_str!("../presets/pico.toml"),
+        "planck" => include_str!("../presets/planck.toml"),
+        "wmap" => include_str!("../presets/wmap.toml"),
+        "epic" => include_str!("../presets/epic.toml"),
+        "core" => include_str!("../presets/core.toml"),
+        _ => return None,
+    };
+    Some(text)
+}

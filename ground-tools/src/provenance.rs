@@ -1,0 +1,70 @@
+//! What every output says about where it comes from.
+
+use crate::world::World;
+use ephem::time::{format_tdb, last_leap_second};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Mission, kernel, time scales and program behind an output.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Provenance {
+    /// The mission's name.
+    pub mission: String,
+    /// SHA-256 of the resolved mission.
+    pub mission_sha256: String,
+    /// The planetary kernel's name.
+    pub kernel: String,
+    /// SHA-256 of the kernel.
+    pub kernel_sha256: String,
+    /// The spacecraft's trajectory.
+    pub trajectory: String,
+    /// The day that the last leap second known ends.
+    pub last_leap_second: String,
+    /// Zero of the scan clock, TDB.
+    pub start_tdb: String,
+    /// Zero of the scan clock, ns of TAI since 2000-01-01T12:00:00 TAI.
+    pub start_tai_ns: i64,
+    /// Program and version.
+    pub program: String,
+}
+
+/// Program and version.
+pub const PROGRAM: &str = concat!("gyrfalcon ", env!("CARGO_PKG_VERSION"));
+
+impl Provenance {
+    /// Of everything made from this world.
+    #[must_use]
+    pub fn of(world: &World) -> Self {
+        Self {
+            mission: world.mission.name.clone(),
+            mission_sha256: world.mission.digest(),
+            kernel: world.sky.kernel.name().to_owned(),
+            kernel_sha256: world.sky.kernel.sha256().to_owned(),
+            trajectory: world.sky.trajectory.name().to_owned(),
+            last_leap_second: last_leap_second(),
+            start_tdb: format_tdb(world.start),
+            start_tai_ns: world.start.tai_ns(),
+            program: PROGRAM.to_owned(),
+        }
+    }
+
+    /// As comment lines of a CSV.
+    #[must_use]
+    pub fn comment(&self) -> String {
+        let lines = [
+            ("mission", &self.mission),
+            ("mission_sha256", &self.mission_sha256),
+            ("kernel", &self.kernel),
+            ("kernel_sha256", &self.kernel_sha256),
+            ("trajectory", &self.trajectory),
+            ("last_leap_second", &self.last_leap_second),
+            ("start_tdb", &self.start_tdb),
+            ("program", &self.program),
+        ];
+        let mut text = String::new();
+        for (key, value) in lines {
+            let _ = writeln!(text, "# {key}: {value}");
+        }
+        text
+    }
+}

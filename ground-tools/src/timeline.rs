@@ -1,0 +1,385 @@
+//! The calibration timeline: sessions, what was left out and why, how far the rules are used.
+//!
+//! Built from a schedule over opportunities; written as JSON, as CSV and as the records of the
+//! uplink table. Ids name telescope, target and precession turn, so they survive replanning.
+//!
+//! Limits: the resonance check is not part of this version; its field is null.
+
+use crate::degrees;
+use crate::failure::Failure;
+use crate::passes::{Found, told};
+use crate::provenance::Provenance;
+use crate::sightline::SightLine;
+use crate::world::World;
+use ephem::time::{format_tdb, format_utc};
+use onboard_core::attitude::sweep;
+use onboard_core::sun::SunModel;
+use onboard_core::time::{Duration, Instant};
+use onboard_core::uplink::SessionRecord;
+use planner::opportunity::{Opportunities, Opportunity};
+use planner::schedule::{Because, ConstraintUse, Problem, Rule, Schedule};
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::Value;
+
+/// Everything that a timeline is made from.
+#[derive(Debug)]
+pub struct Planned<'p> {
+    /// The mission among the planets.
+    pub world: &'p World,
+    /// Its lines of sight.
+    pub lines: &'p [SightLine],
+    /// The Sun model on the table that goes on board.
+    pub sun: SunModel<'p>,
+    /// All passes.
+    pub found: &'p [Found],
+    /// Their opportunities; candidate i of the problem is opportunity i.
+    pub opportunities: &'p Opportunities,
+    /// The scheduling problem.
+    pub problem: &'p Problem,
+    /// Its schedule.
+    pub schedule: &'p Schedule,
+}
+
+/// A timeline, as `timeline.json` holds it.
+#[derive(Debug, Serialize)]
+pub struct Timeline {
+    /// Where it comes from.
+    #[serde(flatten)]
+    pub provenance: Provenance,
+    /// Sum of weight times dwell in seconds.
+    pub objective: f64,
+    /// No schedule has a larger objective.
+    pub upper_bound: f64,
+    /// (upper bound - objective) / upper bound.
+    pub gap: f64,
+    /// Why the search ended.
+    pub stopped: String,
+    /// The sessions by start.
+    pub sessions: Vec<Session>,
+    /// The opportunities not taken.
+    pub rejected: Vec<Rejected>,
+    /// How far the rules are used.
+    pub constraints: Vec<Constraint>,
+    /// Not evaluated by this version.
+    pub resonance: Option<Value>,
+}
+
+/// One session.
+#[derive(Debug, Serialize)]
+pub struct Session {
+    /// Telescope, target and precession turn.
+    pub id: String,
+    /// Target's name.
+    pub target: String,
+    /// Telescope's name.
+    pub telescope: String,
+    /// Start, setup included, TDB.
+    pub start_tdb: String,
+    /// End, cooldown included, TDB.
+    pub end_tdb: String,
+    /// Start, UTC.
+    pub start_utc: String,
+    /// End, UTC.
+    pub end_utc: String,
+    /// Start, ns of TAI.
+    pub start_tai_ns: i64,
+    /// End, ns of TAI.
+    pub end_tai_ns: i64,
+    /// The passes by entry.
+    pub transits: Vec<SessionTransit>,
+    /// Time with the target in view.
+    pub dwell_s: f64,
+    /// Why it is there.
+    pub reason: String,
+}
+
+/// One pass of a session.
+#[derive(Debug, Serialize)]
+pub struct SessionTransit {
+    /// Detector's name, or `-` for the field of view.
+    pub detector: String,
+    /// First instant inside, TDB.
+    pub entry_tdb: String,
+    /// Last instant inside, TDB.
+    pub exit_tdb: String,
+    /// First instant inside, ns of TAI.
+    pub entry_tai_ns: i64,
+    /// Last instant inside, ns of TAI.
+    pub exit_tai_ns: i64,
+    /// Closest approach, ns of TAI.
+    pub closest_tai_ns: i64,
+    /// Time inside.
+    pub dwell_s: f64,
+    /// Separation at closest approach.
+    pub min_separation_deg: f64,
+    /// Crossing angle at closest approach.
+    pub psi_deg: f64,
+}
+
+/// An opportunity not taken.
+#[derive(Debug, Serialize)]
+pub struct Rejected {
+    /// The id its session would have.
+    pub opportunity: String,
+    /// The rule that excludes it.
+    pub because: String,
+}
+
+/// How far a rule is used.
+#[derive(Debug, Serialize)]
+pub struct Constraint {
+    /// The rule and its place.
+    pub name: String,
+    /// What the schedule uses.
+    pub used: f64,
+    /// What the rule allows.
+    pub limit: f64,
+    /// Objective that a small loosening would bring.
+    pub shadow_price: f64,
+}
+
+impl Planned<'_> {
+    /// The timeline.
+    ///
+    /// # Errors
+    /// [`Failure::Internal`] where the table does not serve its own span.
+    pub fn timeline(&self) -> Result<Timeline, Failure> {
+        let schedule = self.schedule;
+        let sessions = schedule
+            .chosen
+            .par_iter()
+            .map(|&candidate| self.session(candidate))
+            .collect::<Result<Vec<_>, Failure>>()?;
+        let rejected = schedule
+            .rejected
+            .par_iter()
+            .map(|it| Rejected {
+                opportunity: self.id(it.candidate),
+                because: self.because(&it.because),
+            })
+            .collect();
+        Ok(Timeline {
+            provenance: Provenance::of(self.world),
+            objective: schedule.objective,
+            upper_bound: schedule.upper_bound,
+            gap: schedule.gap,
+            stopped: schedule.stopped.to_string(),
+            sessions,
+            rejected,
+            constraints: schedule.constraints.iter().map(|it| self.constraint(it)).collect(),
+            resonance: None,
+        })
+    }
+
+    /// The sessions as the uplink table holds them.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where a number exceeds the format.
+    pub fn records(&self) -> Result<Vec<SessionRecord>, Failure> {
+        self.schedule.chosen.iter().map(|&candidate| self.record(candidate)).collect()
+    }
+
+    fn opportunity(&self, candidate: usize) -> &Opportunity {
+        &self.opportunities.list()[candidate]
+    }
+
+    fn telescope(&self, candidate: usize) -> &str {
+        &self.world.mission.telescopes[self.opportunity(candidate).telescope].name
+    }
+
+    fn target(&self, candidate: usize) -> &str {
+        self.world.targets[self.opportunity(candidate).target].name()
+    }
+
+    fn id(&self, candidate: usize) -> String {
+        let turn = self.opportunity(candidate).turn;
+        format!("{}-{}-{turn:06}", self.telescope(candidate), self.target(candidate))
+    }
+
+    fn session(&self, candidate: usize) -> Result<Session, Failure> {
+        let opportunity = self.opportunity(candidate);
+        let (start, end) = self.problem.reserved(candidate);
+        let weight = self.problem.weights[opportunity.target];
+        let dwell_s = opportunity.dwell.seconds();
+        let passes = self.opportunities.passes(opportunity);
+        let transits = passes
+            .iter()
+            .map(|&pass| self.transit(&self.found[pass]))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(Session {
+            id: self.id(candidate),
+            target: self.target(candidate).to_owned(),
+            telescope: self.telescope(candidate).to_owned(),
+            start_tdb: format_tdb(start),
+            end_tdb: format_tdb(end),
+            start_utc: format_utc(start),
+            end_utc: format_utc(end),
+            start_tai_ns: start.tai_ns(),
+            end_tai_ns: end.tai_ns(),
+            reason: format!(
+                "adds {} to the objective: {} passes, {dwell_s} s in view, weight {weight}",
+                self.problem.value(candidate),
+                transits.len()
+            ),
+            transits,
+            dwell_s,
+        })
+    }
+
+    fn transit(&self, found: &Found) -> Result<SessionTransit, Failure> {
+        let (line, transit) = (&self.lines[found.line], &found.transit);
+        let seen = sweep(&self.world.scan, &self.sun, line.rotation, transit.closest)
+            .map_err(|error| Failure::internal(told(error)))?;
+        Ok(SessionTransit {
+            detector: line.detector_name.clone(),
+            entry_tdb: format_tdb(transit.entry),
+            exit_tdb: format_tdb(transit.exit),
+            entry_tai_ns: transit.entry.tai_ns(),
+            exit_tai_ns: transit.exit.tai_ns(),
+            closest_tai_ns: transit.closest.tai_ns(),
+            dwell_s: transit.dwell().seconds(),
+            min_separation_deg: transit.min_separation_rad.to_degrees(),
+            psi_deg: degrees::signed(seen.crossing_angle_rad),
+        })
+    }
+
+    fn record(&self, candidate: usize) -> Result<SessionRecord, Failure> {
+        let opportunity = self.opportunity(candidate);
+        let (start, end) = self.problem.reserved(candidate);
+        let too_large = |what: &str| {
+            Failure::Input(format!("the uplink table cannot hold the {what} of a session"))
+        };
+        let passes = self.opportunities.passes(opportunity).len();
+        Ok(SessionRecord {
+            start,
+            end,
+            first_entry: opportunity.first_entry,
+            last_exit: opportunity.last_exit,
+            body: self.world.targets[opportunity.target].body(),
+            turn: u32::try_from(opportunity.turn).map_err(|_| too_large("precession turn"))?,
+            telescope: u16::try_from(opportunity.telescope).map_err(|_| too_large("telescope"))?,
+            passes: u16::try_from(passes).unwrap_or(u16::MAX),
+        })
+    }
+
+    /// The UTC date on which a day of the schedule begins.
+    fn date(&self, day: usize) -> String {
+        let midnight = self.problem.rules.day_boundaries.get(day);
+        midnight.map_or_else(String::new, |at| date(*at))
+    }
+
+    fn because(&self, because: &Because) -> String {
+        match *because {
+            Because::Conflict { with } => format!("it overlaps the session {}", self.id(with)),
+            Because::DayFull { day, needs, left } => format!(
+                "it needs {} min of {} UTC, which has {} min left",
+                minutes(needs),
+                self.date(day),
+                minutes(left)
+            ),
+            Because::TooLongForDay { day, needs } => format!(
+                "its session alone needs {} min of {} UTC, more than max_minutes_per_day",
+                minutes(needs),
+                self.date(day)
+            ),
+            Because::SessionCount { from, count } => format!(
+                "the window from {} already holds {count} sessions, as many as max_sessions allows",
+                format_utc(from)
+            ),
+            Because::NoValue | Because::BeforeMission | Because::AfterMission => {
+                because.to_string()
+            }
+        }
+    }
+
+    fn constraint(&self, it: &ConstraintUse) -> Constraint {
+        let name = match it.rule {
+            Rule::Exclusive { telescope: None } => "exclusive all".to_owned(),
+            Rule::Exclusive { telescope: Some(index) } => {
+                format!("exclusive {} (s)", self.world.mission.telescopes[index].name)
+            }
+            Rule::Day { day } => format!("max_minutes_per_day {} (s)", self.date(day)),
+            Rule::SessionCount { from } => format!("max_sessions from {}", format_utc(from)),
+        };
+        Constraint { name, used: it.used, limit: it.limit, shadow_price: it.shadow_price }
+    }
+}
+
+/// The date of an instant, UTC.
+fn date(at: Instant) -> String {
+    format_utc(at).chars().take_while(|letter| *letter != 'T').collect()
+}
+
+/// Minutes to a tenth, for sentences.
+fn minutes(span: Duration) -> String {
+    format!("{:.1}", span.seconds() / 60.0)
+}
+
+#[derive(Serialize)]
+struct Row<'t> {
+    id: &'t str,
+    target: &'t str,
+    telescope: &'t str,
+    start_utc: &'t str,
+    end_utc: &'t str,
+    start_tdb: &'t str,
+    end_tdb: &'t str,
+    start_tai_ns: i64,
+    end_tai_ns: i64,
+    passes: usize,
+    dwell_s: f64,
+    reason: &'t str,
+}
+
+const COLUMNS: [&str; 12] = [
+    "id",
+    "target",
+    "telescope",
+    "start_utc",
+    "end_utc",
+    "start_tdb",
+    "end_tdb",
+    "start_tai_ns",
+    "end_tai_ns",
+    "passes",
+    "dwell_s",
+    "reason",
+];
+
+impl Timeline {
+    /// `timeline.json`.
+    ///
+    /// # Errors
+    /// [`Failure::Internal`] where it cannot be written.
+    pub fn to_json(&self) -> Result<Vec<u8>, Failure> {
+        let mut bytes = Vec::new();
+        let indent = serde_json::ser::PrettyFormatter::with_indent(b" ");
+        let mut writer = serde_json::Serializer::with_formatter(&mut bytes, indent);
+        self.serialize(&mut writer).map_err(Failure::internal)?;
+        bytes.push(b'\n');
+        Ok(bytes)
+    }
+
+    /// `timeline.csv`.
+    ///
+    /// # Errors
+    /// [`Failure::Internal`] where it cannot be written.
+    pub fn to_csv(&self) -> Result<Vec<u8>, Failure> {
+        let rows = self.sessions.iter().map(|it| Row {
+            id: &it.id,
+            target: &it.target,
+            telescope: &it.telescope,
+            start_utc: &it.start_utc,
+            end_utc: &it.end_utc,
+            start_tdb: &it.start_tdb,
+            end_tdb: &it.end_tdb,
+            start_tai_ns: it.start_tai_ns,
+            end_tai_ns: it.end_tai_ns,
+            passes: it.transits.len(),
+            dwell_s: it.dwell_s,
+            reason: &it.reason,
+        });
+        crate::rows::write(rows, crate::cli::Format::Csv, &self.provenance, &COLUMNS)
+    }
+}

@@ -1,0 +1,162 @@
+//! The container that goes on board, written and told.
+//!
+//! The layouts are the flight core's (`onboard_core::uplink`); this module only puts them together.
+
+use crate::failure::Failure;
+use crate::mission::Mission;
+use crate::world::World;
+use ephem::time::format_tdb;
+use onboard_core::field_of_view::FieldShape;
+use onboard_core::time::Instant;
+use onboard_core::uplink::{
+    ENTRY_BYTES, HEADER_BYTES, Header, MissionTable, SectionKind, SessionRecord, SunRecord,
+    TelescopeRecord, UplinkError, checksum, entry_to_le_bytes,
+};
+
+/// What a container is made from.
+#[derive(Debug)]
+pub struct Contents<'c> {
+    /// The mission among the planets.
+    pub world: &'c World,
+    /// The fitted ephemeris table.
+    pub ephemeris: &'c [u8],
+    /// The sessions by start; `None` leaves the plan out.
+    pub sessions: Option<&'c [SessionRecord]>,
+    /// Grows with every uplink.
+    pub sequence: u32,
+}
+
+impl Contents<'_> {
+    /// The container's bytes.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where something is too large for the format.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, Failure> {
+        let mission = mission_section(self.world)?;
+        let mut sections: Vec<(SectionKind, Vec<u8>)> = vec![
+            (SectionKind::Ephemeris, self.ephemeris.to_vec()),
+            (SectionKind::Mission, mission),
+        ];
+        if let Some(sessions) = self.sessions {
+            sections.push((SectionKind::Plan, plan_section(sessions)?));
+        }
+        let mut directory = Vec::new();
+        let mut offset = HEADER_BYTES + ENTRY_BYTES * sections.len();
+        for (kind, bytes) in &sections {
+            directory.extend(entry_to_le_bytes(
+                *kind,
+                length(offset)?,
+                length(bytes.len())?,
+                checksum(bytes),
+            ));
+            offset += bytes.len();
+        }
+        let header = Header {
+            sequence: self.sequence,
+            valid_from: self.world.start,
+            valid_until: self.world.end,
+            mission_digest: digest(&self.world.mission),
+        };
+        let count = u16::try_from(sections.len()).map_err(Failure::internal)?;
+        let mut bytes = header.to_le_bytes(length(offset)?, count, checksum(&directory)).to_vec();
+        bytes.extend(directory);
+        for (_, section) in &sections {
+            bytes.extend(section);
+        }
+        Ok(bytes)
+    }
+}
+
+/// First 16 bytes of the resolved mission's SHA-256.
+#[must_use]
+pub fn digest(mission: &Mission) -> [u8; 16] {
+    let hex = mission.digest();
+    std::array::from_fn(|index| {
+        let pair = hex.get(2 * index..2 * index + 2).unwrap_or("00");
+        u8::from_str_radix(pair, 16).unwrap_or(0)
+    })
+}
+
+fn length(bytes: usize) -> Result<u32, Failure> {
+    u32::try_from(bytes).map_err(|_| {
+        Failure::Input(format!("the uplink table would take {bytes} bytes: it holds 4294967295"))
+    })
+}
+
+fn mission_section(world: &World) -> Result<Vec<u8>, Failure> {
+    let mission = &world.mission;
+    let count = u16::try_from(mission.telescopes.len()).map_err(|_| {
+        Failure::Input(format!(
+            "the uplink table cannot hold {} telescopes: it holds 65535",
+            mission.telescopes.len()
+        ))
+    })?;
+    let sun = world.circular_sun.map_or(SunRecord::Table, SunRecord::Circular);
+    let mut bytes = MissionTable::fixed_to_le_bytes(world.scan.parameters(), sun, count).to_vec();
+    for telescope in &mission.telescopes {
+        let circle = FieldShape::Circle(mission.calibration.radius_rad());
+        let record = TelescopeRecord {
+            rotation: telescope.rotation,
+            hwp: telescope.hwp,
+            field: telescope.field_of_view.map_or(circle, |field| field.shape()),
+        };
+        bytes.extend(record.to_le_bytes());
+    }
+    Ok(bytes)
+}
+
+fn plan_section(sessions: &[SessionRecord]) -> Result<Vec<u8>, Failure> {
+    let mut bytes = length(sessions.len())?.to_le_bytes().to_vec();
+    bytes.extend([0; 4]);
+    for session in sessions {
+        bytes.extend(session.to_le_bytes());
+    }
+    Ok(bytes)
+}
+
+/// Why a container is refused, in words.
+#[must_use]
+pub fn told(error: UplinkError) -> String {
+    match error {
+        UplinkError::Truncated(needed) => {
+            format!("it is cut short: at least {needed} bytes are needed")
+        }
+        UplinkError::NotAContainer => {
+            "it is not an uplink table: its first 8 bytes are not GYRFALCN".to_owned()
+        }
+        UplinkError::Version(found) => format!(
+            "its format version is {found}: version {} is needed; build it again with gyrfalcon \
+             table build",
+            onboard_core::uplink::VERSION
+        ),
+        UplinkError::HeaderCrc => "it is damaged: the header's CRC does not match".to_owned(),
+        UplinkError::DirectoryCrc => "it is damaged: the directory's CRC does not match".to_owned(),
+        UplinkError::BadDirectory => {
+            "its directory contradicts itself in counts, offsets or lengths".to_owned()
+        }
+        UplinkError::TooLong => "bytes follow its end".to_owned(),
+        UplinkError::SectionCrc(kind) => {
+            format!("it is damaged: the CRC of section {} does not match", section_name(kind))
+        }
+        UplinkError::NoSuchSection(kind) => {
+            format!("it has no section {}", section_name(kind.number()))
+        }
+    }
+}
+
+/// A section's name by its kind's number.
+#[must_use]
+pub fn section_name(kind: u16) -> String {
+    match kind {
+        1 => "ephemeris".to_owned(),
+        2 => "mission".to_owned(),
+        3 => "plan".to_owned(),
+        other => format!("of kind {other}"),
+    }
+}
+
+/// A span of time in words.
+#[must_use]
+pub fn span_told(from: Instant, until: Instant) -> String {
+    format!("{} to {} TDB", format_tdb(from), format_tdb(until))
+}

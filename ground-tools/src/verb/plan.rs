@@ -1,0 +1,296 @@
+//! `gyrfalcon plan`: the calibration timeline, the main job.
+
+use super::{print_json, tell, world};
+use crate::cli::{PlanArgs, SharedArgs};
+use crate::failure::Failure;
+use crate::mission::schedule::Exclusive as ExclusiveKey;
+use crate::output::write_folder;
+use crate::passes::{Found, search};
+use crate::provenance::PROGRAM;
+use crate::sightline::{SightLine, of_plan};
+use crate::timeline::{Planned, Timeline};
+use crate::uplink::Contents;
+use crate::world::World;
+use ephem::fit::FitOptions;
+use ephem::time::{utc_day, utc_midnight};
+use onboard_core::time::{Duration, Instant};
+use planner::opportunity::{Opportunities, Pass};
+use planner::schedule::{Candidate, Exclusive, Problem, Rules, SessionCount, schedule};
+use serde_json::{Map, Value, json};
+use std::fmt::Write;
+use std::path::Path;
+
+const DEFAULT_FOLDER: &str = "gyrfalcon-plan";
+/// What `plan` writes into its folder.
+const FILES: [&str; 3] = ["timeline.json", "timeline.csv", "uplink.tbl"];
+/// Sequence number of a plan's uplink table.
+const SEQUENCE: u32 = 1;
+/// How much of the timeline is printed.
+const SHOWN: Duration = Duration::from_ns(14 * 86_400 * 1_000_000_000);
+
+pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failure> {
+    let folder = shared.out.clone().unwrap_or_else(|| DEFAULT_FOLDER.into());
+    if folder.as_os_str() == "-" {
+        return Err(Failure::Input(
+            "plan writes a folder: --out FOLDER is needed, not -".to_owned(),
+        ));
+    }
+    refuse_others_folder(&folder, arguments.force)?;
+    let world = world(shared)?;
+    let tables = world.tables(&FitOptions::UPLINK)?;
+    let table = tables.parse()?;
+    let lines = of_plan(&world.mission)?;
+    let found = search(&world, table, &lines)?;
+    let passes = passes(&found, &lines)?;
+    let opportunities = Opportunities::group(&passes, &world.scan).map_err(Failure::internal)?;
+    let problem = problem(&world, &opportunities);
+    let schedule = schedule(&problem).map_err(Failure::input)?;
+    let planned = Planned {
+        world: &world,
+        lines: &lines,
+        sun: world.sun(table)?,
+        found: &found,
+        opportunities: &opportunities,
+        problem: &problem,
+        schedule: &schedule,
+    };
+    let timeline = planned.timeline()?;
+    let records = planned.records()?;
+    let contents = Contents {
+        world: &world,
+        ephemeris: &tables.fitted.bytes,
+        sessions: Some(&records),
+        sequence: SEQUENCE,
+    };
+    let files = [timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?];
+    let named: Vec<(&str, &[u8])> =
+        FILES.into_iter().zip(files.iter().map(Vec::as_slice)).collect();
+    write_folder(&folder, &named)?;
+    if shared.json {
+        print_json(&summary(&world, &timeline, &opportunities))
+    } else {
+        tell(shared, &told(&world, &timeline, &opportunities, &folder))
+    }
+}
+
+/// A place that cannot be a folder is told before the work; a folder that is not empty must be one
+/// that `plan` wrote, or be forced.
+fn refuse_others_folder(folder: &Path, force: bool) -> Result<(), Failure> {
+    let not_a_folder = folder.ancestors().find(|path| path.exists() && !path.is_dir());
+    if let Some(file) = not_a_folder {
+        return Err(Failure::Input(format!(
+            "cannot write into {}: {} is a file",
+            folder.display(),
+            file.display()
+        )));
+    }
+    if force || !folder.exists() {
+        return Ok(());
+    }
+    let entries = std::fs::read_dir(folder)
+        .and_then(Iterator::collect::<Result<Vec<_>, _>>)
+        .map_err(|error| Failure::file("use", folder, &error))?;
+    let ours =
+        |entry: &std::fs::DirEntry| FILES.iter().any(|name| entry.file_name().as_os_str() == *name);
+    let program = PROGRAM.split(' ').next().unwrap_or(PROGRAM);
+    let marked = || {
+        let text = std::fs::read(folder.join(FILES[0])).unwrap_or_default();
+        let value: Value = serde_json::from_slice(&text).unwrap_or_default();
+        value["program"].as_str().is_some_and(|name| name.starts_with(program))
+    };
+    if entries.is_empty() || (entries.iter().all(ours) && marked()) {
+        return Ok(());
+    }
+    Err(Failure::Input(format!(
+        "{} is not empty and plan did not write it: an empty or new folder is needed (or --force, \
+         which overwrites {} there)",
+        folder.display(),
+        FILES.join(", ")
+    )))
+}
+
+fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, Failure> {
+    found
+        .iter()
+        .map(|it| {
+            let telescope = lines[it.line]
+                .telescope
+                .ok_or_else(|| Failure::internal("a plan's line of sight without a telescope"))?;
+            Ok(Pass {
+                target: it.target,
+                telescope,
+                detector: it.line,
+                entry: it.transit.entry,
+                exit: it.transit.exit,
+                closest: it.transit.closest,
+                entry_clipped: it.transit.entry_clipped,
+                exit_clipped: it.transit.exit_clipped,
+            })
+        })
+        .collect()
+}
+
+fn problem(world: &World, opportunities: &Opportunities) -> Problem {
+    let keys = &world.mission.calibration.schedule;
+    let candidates = opportunities
+        .list()
+        .iter()
+        .map(|it| Candidate {
+            target: it.target,
+            telescope: it.telescope,
+            first_entry: it.first_entry,
+            last_exit: it.last_exit,
+            dwell: it.dwell,
+        })
+        .collect();
+    Problem {
+        span: (world.start, world.end),
+        candidates,
+        weights: world.targets.iter().map(|source| keys.weight(source.name())).collect(),
+        rules: Rules {
+            setup: keys.setup(),
+            cooldown: keys.cooldown(),
+            exclusive: match keys.exclusive {
+                ExclusiveKey::Telescope => Exclusive::Telescope,
+                ExclusiveKey::All => Exclusive::All,
+            },
+            max_per_day: keys.max_per_day(),
+            max_sessions: keys
+                .max_sessions
+                .as_ref()
+                .map(|it| SessionCount { count: it.count, window: it.window() }),
+            day_boundaries: midnights(world.start, world.end),
+        },
+    }
+}
+
+/// UTC midnights around and within the mission.
+fn midnights(start: Instant, end: Instant) -> Vec<Instant> {
+    (utc_day(start)..=utc_day(end) + 1).map(utc_midnight).collect()
+}
+
+/// Sessions, their hours, and what was on offer, per target.
+struct Share<'w> {
+    target: &'w str,
+    sessions: usize,
+    hours: f64,
+    opportunities: usize,
+    hours_offered: f64,
+}
+
+fn shares<'w>(
+    world: &'w World,
+    timeline: &Timeline,
+    opportunities: &Opportunities,
+) -> Vec<Share<'w>> {
+    let share = |(index, target): (usize, &'w ephem::source::Source)| {
+        let sessions = || timeline.sessions.iter().filter(|it| it.target == target.name());
+        let offered = || opportunities.list().iter().filter(|it| it.target == index);
+        Share {
+            target: target.name(),
+            sessions: sessions().count(),
+            hours: sessions().map(|it| it.dwell_s).sum::<f64>() / 3600.0,
+            opportunities: offered().count(),
+            hours_offered: offered().map(|it| it.dwell.seconds()).sum::<f64>() / 3600.0,
+        }
+    };
+    world.targets.iter().enumerate().map(share).collect()
+}
+
+fn summary(world: &World, timeline: &Timeline, opportunities: &Opportunities) -> Value {
+    let shares = shares(world, timeline, opportunities);
+    let by_target = |pick: &dyn Fn(&Share<'_>) -> Value| {
+        shares.iter().map(|it| (it.target.to_owned(), pick(it))).collect::<Map<_, _>>()
+    };
+    json!({
+        "provenance": timeline.provenance,
+        "sessions": timeline.sessions.len(),
+        "sessions_by_target": by_target(&|it| json!(it.sessions)),
+        "hours_by_target": by_target(&|it| json!(it.hours)),
+        "opportunities": opportunities.list().len(),
+        "objective": timeline.objective,
+        "upper_bound": timeline.upper_bound,
+        "gap": timeline.gap,
+        "stopped": timeline.stopped,
+    })
+}
+
+fn told(
+    world: &World,
+    timeline: &Timeline,
+    opportunities: &Opportunities,
+    folder: &Path,
+) -> String {
+    let mission = &world.mission;
+    let mut text = format!(
+        "{}: calibration timeline, {} for {} days\nkernel {}, trajectory {}\n\n",
+        mission.name,
+        mission.span.start.text(),
+        mission.span.duration_days,
+        timeline.provenance.kernel,
+        timeline.provenance.trajectory
+    );
+    let _ = writeln!(
+        text,
+        "{:<12} {:>9} {:>10} {:>14} {:>14}",
+        "target", "sessions", "hours", "opportunities", "hours offered"
+    );
+    let mut total =
+        Share { target: "total", sessions: 0, hours: 0.0, opportunities: 0, hours_offered: 0.0 };
+    let row = |text: &mut String, it: &Share<'_>| {
+        let _ = writeln!(
+            text,
+            "{:<12} {:>9} {:>10.2} {:>14} {:>14.2}",
+            it.target, it.sessions, it.hours, it.opportunities, it.hours_offered
+        );
+    };
+    for share in shares(world, timeline, opportunities) {
+        row(&mut text, &share);
+        total.sessions += share.sessions;
+        total.hours += share.hours;
+        total.opportunities += share.opportunities;
+        total.hours_offered += share.hours_offered;
+    }
+    row(&mut text, &total);
+    let _ = writeln!(
+        text,
+        "\nobjective {:.1}, no schedule exceeds {:.1}: gap {:.3} %\n({})\n",
+        timeline.objective,
+        timeline.upper_bound,
+        100.0 * timeline.gap,
+        timeline.stopped
+    );
+    first_weeks(&mut text, world, timeline);
+    let _ = writeln!(text, "\nwritten to {}: {}", folder.display(), FILES.join(", "));
+    text
+}
+
+/// The sessions that start in the first two weeks.
+fn first_weeks(text: &mut String, world: &World, timeline: &Timeline) {
+    let until = world.start.plus(SHOWN).tai_ns();
+    let shown: Vec<_> = timeline.sessions.iter().filter(|it| it.start_tai_ns < until).collect();
+    let _ = writeln!(
+        text,
+        "first two weeks (UTC): {} sessions\n{:<17} {:<17} {:<10} {:<12} {:>6} {:>9}",
+        shown.len(),
+        "start",
+        "end",
+        "telescope",
+        "target",
+        "passes",
+        "dwell (s)"
+    );
+    let minute = |time: &str| time.get(..16).unwrap_or(time).replace('T', " ");
+    for it in shown {
+        let _ = writeln!(
+            text,
+            "{:<17} {:<17} {:<10} {:<12} {:>6} {:>9.1}",
+            minute(&it.start_utc),
+            minute(&it.end_utc),
+            it.telescope,
+            it.target,
+            it.transits.len(),
+            it.dwell_s
+        );
+    }
+}

@@ -1,0 +1,142 @@
+//! Which way does the spacecraft point, and how does a detector sweep the sky.
+//!
+//! [`attitude`] is the rotation from the mission boresight frame to [`Ecliptic`]; [`sweep`] is what
+//! one detector does at that instant: direction, crossing angle, speed, scan-beam angle.
+//!
+//! Crossing angle psi = atan2(north, east) of the detector's x axis on the sky, COSMO sense, zero
+//! at east. Scan-beam angle zeta = atan2(v.x, v.y), v the velocity of the line of sight on the sky
+//! in the detector's frame, orbital motion included.
+//!
+//! Method: [Takase2024, A.1] with exact phases; v = omega x n with omega the sum of the anti-Sun
+//! frame's, the precession's and the spin's angular velocity.
+//!
+//! Limits: 1e-12 rad anywhere in ten years (`tests/tests/attitude.rs`). At an ecliptic pole east is
+//! taken along longitude +90 deg.
+
+use crate::direction::{Direction, DirectionState};
+use crate::ephemeris::EphemerisError;
+use crate::frame::{AntiSun, Boresight, Detector, Ecliptic};
+use crate::rotation::Rotation;
+use crate::scan::ScanStrategy;
+use crate::sun::{AntiSunAxes, SunModel};
+use crate::time::Instant;
+use nalgebra::Vector3;
+
+/// What a detector does on the sky at one instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Sweep {
+    /// Detector frame to ecliptic.
+    pub attitude: Rotation<Detector, Ecliptic>,
+    /// Line of sight.
+    pub direction: Direction<Ecliptic>,
+    /// Crossing angle psi in radians, in (-pi, pi].
+    pub crossing_angle_rad: f64,
+    /// Speed of the line of sight on the sky in rad/s.
+    pub speed_rad_s: f64,
+    /// Scan-beam angle zeta in radians, in (-pi, pi]; zero is a sweep along the detector's y.
+    pub scan_beam_angle_rad: f64,
+}
+
+/// The rotation from the mission boresight frame to the ecliptic at `at`.
+///
+/// # Errors
+/// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
+pub fn attitude(
+    scan: &ScanStrategy,
+    sun: &SunModel<'_>,
+    at: Instant,
+) -> Result<Rotation<Boresight, Ecliptic>, EphemerisError> {
+    let anti_sun = sun.state(scan.parameters().start, at)?;
+    Ok(chain(scan, &anti_sun, at))
+}
+
+fn chain(
+    scan: &ScanStrategy,
+    anti_sun: &DirectionState<Ecliptic>,
+    at: Instant,
+) -> Rotation<Boresight, Ecliptic> {
+    scan.boresight_in_spin()
+        .then(scan.spin_in_anti_sun(at))
+        .then(Rotation::<AntiSun, Ecliptic>::to_direction_with_x_north(anti_sun.direction))
+}
+
+/// What the detector does on the sky at `at`.
+///
+/// # Errors
+/// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
+pub fn sweep(
+    scan: &ScanStrategy,
+    sun: &SunModel<'_>,
+    detector: Rotation<Detector, Boresight>,
+    at: Instant,
+) -> Result<Sweep, EphemerisError> {
+    let anti_sun = sun.state(scan.parameters().start, at)?;
+    let attitude = detector.then(chain(scan, &anti_sun, at));
+    let direction = attitude.apply(Direction::Z);
+    let omega = angular_velocity(scan, &anti_sun, at);
+    let velocity = attitude.inverse().rotate(omega.cross(&direction.vector()));
+    Ok(Sweep {
+        attitude,
+        direction,
+        crossing_angle_rad: crossing_angle_rad(attitude),
+        speed_rad_s: libm::hypot(velocity.x, velocity.y),
+        scan_beam_angle_rad: libm::atan2(velocity.x, velocity.y),
+    })
+}
+
+/// Angular velocity of the spacecraft in rad/s, components in [`Ecliptic`].
+fn angular_velocity(
+    scan: &ScanStrategy,
+    anti_sun: &DirectionState<Ecliptic>,
+    at: Instant,
+) -> Vector3<f64> {
+    let parameters = scan.parameters();
+    let axes = AntiSunAxes::new(anti_sun);
+    let (precession, _) = scan.phases(at);
+    let (sin_a, cos_a) = precession.sin_cos();
+    let (sin_alpha, cos_alpha) = libm::sincos(parameters.alpha_rad);
+    let spin_rate = parameters.spin.rate.radians_per_second();
+    // omega = omega_frame + w_a z + w_b s, with s the spin axis, in the anti-Sun frame.
+    let [fx, fy, fz] = axes.angular_velocity_rad_s();
+    let omega = Vector3::new(
+        fx + spin_rate * sin_alpha * cos_a,
+        fy + spin_rate * sin_alpha * sin_a,
+        fz + parameters.precession.rate.radians_per_second() + spin_rate * cos_alpha,
+    );
+    axes.rotation().rotate(omega)
+}
+
+/// Crossing angle of a detector's x axis on the sky in radians, in (-pi, pi].
+#[must_use]
+pub fn crossing_angle_rad(attitude: Rotation<Detector, Ecliptic>) -> f64 {
+    let n = attitude.rotate(Vector3::new(0.0, 0.0, 1.0));
+    let x = attitude.rotate(Vector3::new(1.0, 0.0, 0.0));
+    // East and north scaled by the cosine of the latitude rho: (-n_y, n_x, 0) and
+    // (-n_z n_x, -n_z n_y, rho^2); at the pole itself the limit at longitude 0.
+    let rho2 = n.x * n.x + n.y * n.y;
+    if rho2 > 0.0 {
+        let east = x.y * n.x - x.x * n.y;
+        // x is perpendicular to n, so x . north = x_z (rho^2 + n_z^2) / rho = x_z / rho.
+        libm::atan2(x.z, east)
+    } else {
+        libm::atan2(-n.z * x.x, x.y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crossing_angle_is_zero_at_east_and_grows_to_north() {
+        // Line of sight at longitude 0 on the ecliptic: east is +y, north is +z.
+        let look = Rotation::<Detector, Ecliptic>::to_direction_with_x_north(
+            Direction::from_longitude_latitude(0.0, 0.0),
+        );
+        assert!((crossing_angle_rad(look) - core::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        let turned = Rotation::<Detector, Detector>::about_z(0.25).then(look);
+        // Seen from inside, R_z(+) about the outward line of sight turns north towards west.
+        let expected = core::f64::consts::FRAC_PI_2 + 0.25;
+        assert!((crossing_angle_rad(turned) - expected).abs() < 1e-15);
+    }
+}

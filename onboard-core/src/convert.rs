@@ -1,0 +1,73 @@
+//! Every numeric conversion that the language spells `as`.
+//!
+//! Answers: the one place where an integer becomes a float or narrows. All functions are total;
+//! float to integer saturates and takes NaN to 0, as the language defines.
+
+#![expect(
+    clippy::as_conversions,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    reason = "the conversions of the crate live here, each with its meaning in the name"
+)]
+
+/// Nearest f64 to an i64.
+pub(crate) const fn f64_from_i64(value: i64) -> f64 {
+    value as f64
+}
+
+/// Nearest f64 to a u64.
+pub(crate) const fn f64_from_u64(value: u64) -> f64 {
+    value as f64
+}
+
+/// Nearest f64 to a u128.
+pub(crate) const fn f64_from_u128(value: u128) -> f64 {
+    value as f64
+}
+
+/// Integer part of an f64, saturating; NaN gives 0.
+pub(crate) const fn i64_from_f64(value: f64) -> i64 {
+    value as i64
+}
+
+/// The same bits read as two's complement.
+pub(crate) const fn signed_from_u64(bits: u64) -> i64 {
+    bits as i64
+}
+
+/// Two's complement bits of an i64.
+pub(crate) const fn bits_from_i64(value: i64) -> u64 {
+    value as u64
+}
+
+/// An i64 sign-extended to 128 bits, as two's complement bits.
+pub(crate) const fn wide_bits_from_i64(value: i64) -> u128 {
+    value as i128 as u128
+}
+
+/// Upper 64 bits of a u128.
+pub(crate) const fn high_half(value: u128) -> u64 {
+    (value >> 64) as u64
+}
+
+/// Lower 64 bits of a u128.
+pub(crate) const fn low_half(value: u128) -> u64 {
+    value as u64
+}
+
+/// A u64 widened to 128 bits.
+pub(crate) const fn wide(value: u64) -> u128 {
+    value as u128
+}
+
+/// A table offset or count as an index; on a 16-bit machine it saturates, and the look-up fails.
+pub(crate) const fn index_from_u32(value: u32) -> usize {
+    if value as usize as u32 == value { value as usize } else { usize::MAX }
+}
+
+/// A granule number as an index; saturates where it does not fit, and the look-up fails.
+pub(crate) const fn index_from_u64(value: u64) -> usize {
+    if value as usize as u64 == value { value as usize } else { usize::MAX }
+}

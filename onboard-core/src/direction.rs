@@ -1,0 +1,138 @@
+//! Unit vectors that know their frame.
+//!
+//! A [`Direction`] has length one to rounding; [`DirectionState`] adds how it moves.
+//!
+//! Method: separations by `atan2(|a x b|, a . b)`, accurate from 0 to pi.
+//!
+//! Limits: the longitude of a pole is given as 0.
+
+use core::marker::PhantomData;
+use nalgebra::Vector3;
+
+/// A unit vector with components in frame `F`.
+#[derive(Debug)]
+pub struct Direction<F> {
+    vector: Vector3<f64>,
+    frame: PhantomData<fn() -> F>,
+}
+
+impl<F> Clone for Direction<F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<F> Copy for Direction<F> {}
+
+impl<F> Direction<F> {
+    /// The direction along z.
+    pub const Z: Self = Self { vector: Vector3::new(0.0, 0.0, 1.0), frame: PhantomData };
+
+    /// The direction of (x, y, z), normalised; `None` when its length is zero or not finite.
+    #[must_use]
+    pub fn new(x: f64, y: f64, z: f64) -> Option<Self> {
+        let length = libm::sqrt(x * x + y * y + z * z);
+        if !(length.is_finite() && length > 0.0) {
+            return None;
+        }
+        Some(Self::from_unit(Vector3::new(x / length, y / length, z / length)))
+    }
+
+    /// The direction at `longitude_rad` from x towards y, `latitude_rad` towards z.
+    #[must_use]
+    pub fn from_longitude_latitude(longitude_rad: f64, latitude_rad: f64) -> Self {
+        let (sin_lon, cos_lon) = libm::sincos(longitude_rad);
+        let (sin_lat, cos_lat) = libm::sincos(latitude_rad);
+        Self::from_unit(Vector3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat))
+    }
+
+    pub(crate) const fn from_unit(vector: Vector3<f64>) -> Self {
+        Self { vector, frame: PhantomData }
+    }
+
+    /// Components (x, y, z).
+    #[must_use]
+    pub fn xyz(self) -> [f64; 3] {
+        [self.vector.x, self.vector.y, self.vector.z]
+    }
+
+    pub(crate) const fn vector(self) -> Vector3<f64> {
+        self.vector
+    }
+
+    /// Angle to another direction in radians, in [0, pi].
+    #[must_use]
+    pub fn separation_rad(self, other: Self) -> f64 {
+        let (a, b) = (self.vector, other.vector);
+        let cross = a.cross(&b);
+        libm::atan2(
+            libm::sqrt(cross.x * cross.x + cross.y * cross.y + cross.z * cross.z),
+            a.x * b.x + a.y * b.y + a.z * b.z,
+        )
+    }
+
+    /// Longitude in radians from x towards y, in [-pi, pi]; 0 at a pole.
+    #[must_use]
+    pub fn longitude_rad(self) -> f64 {
+        libm::atan2(self.vector.y, self.vector.x)
+    }
+
+    /// Latitude in radians towards z, in [-pi/2, pi/2].
+    #[must_use]
+    pub fn latitude_rad(self) -> f64 {
+        libm::atan2(self.vector.z, libm::hypot(self.vector.x, self.vector.y))
+    }
+}
+
+/// A direction and its rate of change in the same frame.
+#[derive(Debug)]
+pub struct DirectionState<F> {
+    /// Where it points.
+    pub direction: Direction<F>,
+    /// Time derivative of the unit vector in 1/s, perpendicular to it.
+    pub rate_per_s: [f64; 3],
+}
+
+impl<F> Clone for DirectionState<F> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<F> Copy for DirectionState<F> {}
+
+/// Bounds on how a direction moves, over all the time it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionBounds {
+    /// Largest angular speed in rad/s.
+    pub rate_rad_s: f64,
+    /// Largest magnitude of the unit vector's second derivative in 1/s^2.
+    pub acceleration_per_s2: f64,
+    /// Largest absolute z component.
+    pub max_abs_z: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Ecliptic;
+    use core::f64::consts::{FRAC_PI_2, PI};
+
+    #[test]
+    fn separations_hold_their_digits_near_zero_and_pi() {
+        let a = Direction::<Ecliptic>::from_longitude_latitude(1.0, 0.0);
+        let b = Direction::<Ecliptic>::from_longitude_latitude(1.0 + 1e-9, 0.0);
+        assert!((a.separation_rad(b) - 1e-9).abs() < 2e-16);
+        let opposite = Direction::<Ecliptic>::from_longitude_latitude(1.0 + PI - 1e-9, 0.0);
+        assert!((PI - a.separation_rad(opposite) - 1e-9).abs() < 1e-15);
+    }
+
+    #[test]
+    fn no_direction_without_a_length() {
+        assert!(Direction::<Ecliptic>::new(0.0, 0.0, 0.0).is_none());
+        assert!(Direction::<Ecliptic>::new(f64::NAN, 0.0, 1.0).is_none());
+        assert!(Direction::<Ecliptic>::new(f64::INFINITY, 0.0, 1.0).is_none());
+        let pole = Direction::<Ecliptic>::new(0.0, 0.0, -2.0).unwrap();
+        assert!((pole.latitude_rad() + FRAC_PI_2).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,380 @@
+//! Where is each body, from a compact table.
+//!
+//! A table holds, in [`Ecliptic`], the unit geometric Sun-to-spacecraft vector ([`SUN`]) and the
+//! unit apparent directions of the targets, as Chebyshev series over granules of equal length. The
+//! ground fits it (crate `ephem`); it is read in place from borrowed bytes.
+//!
+//! Layout, little-endian, no alignment:
+//!
+//! | bytes | field |
+//! |---|---|
+//! | 0..4 | number of spans, u32 |
+//! | 4..8 | number of f64 coefficients, u32 |
+//! | 8.. | spans of [`SPAN_BYTES`], by body, then start |
+//! | then | coefficients, f64: granule after granule, order after order, x y z |
+//!
+//! | bytes of a span | field |
+//! |---|---|
+//! | 0..4 | body number, i32 (NAIF; the ground numbers others from [`FIRST_USER_BODY`]) |
+//! | 4..6 | coefficients per component, u16, 1 to [`MAX_COEFFICIENTS`] |
+//! | 6..8 | zero |
+//! | 8..12 | granules, u32 |
+//! | 12..16 | first coefficient's index, u32 |
+//! | 16..24 | start, i64 ns of TAI |
+//! | 24..32 | granule length, u64 ns |
+//! | 32..56 | bounds over the span: rate rad/s, acceleration 1/s^2, largest abs z; f64 |
+//!
+//! Method: Clenshaw's recurrence for the series and its derivative, then renormalisation.
+//!
+//! Limits: the position error is the fit's (1 mas for uplinked tables, shown by
+//! `ephem/tests/fit.rs`). The bounds are the ground's word; `gyrfalcon table verify` checks them.
+
+use crate::bytes::{f64_at, i32_at, i64_at, u16_at, u32_at, u64_at};
+use crate::convert::{f64_from_u64, index_from_u32, index_from_u64};
+use crate::direction::{Direction, DirectionState, MotionBounds};
+use crate::frame::Ecliptic;
+use crate::time::Instant;
+use core::num::NonZeroU64;
+use nalgebra::Vector3;
+
+/// Body number of the geometric Sun-to-spacecraft direction (NAIF's number of the Sun).
+pub const SUN: i32 = 10;
+/// Body numbers from here up are the mission's own fixed sources and direction tables.
+pub const FIRST_USER_BODY: i32 = 1_000_000;
+/// Bytes of one span record.
+pub const SPAN_BYTES: usize = 56;
+/// Most Chebyshev coefficients per component.
+pub const MAX_COEFFICIENTS: u16 = 64;
+
+const HEADER_BYTES: usize = 8;
+/// Bytes of one order's three coefficients.
+const ORDER_BYTES: usize = 24;
+
+/// Why a table cannot be used, or has no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EphemerisError {
+    /// Fewer or more bytes than the counts say.
+    WrongLength,
+    /// A span record (its index) has an illegal count, length, bound or order.
+    BadSpan(u32),
+    /// A coefficient (its index) is NaN or infinite.
+    BadCoefficient(u32),
+    /// The body is not in the table.
+    NoSuchBody(i32),
+    /// The instant lies outside the body's spans.
+    OutOfSpan(Instant),
+}
+
+/// A checked ephemeris table in borrowed bytes.
+#[derive(Debug, Clone, Copy)]
+pub struct EphemerisTable<'a> {
+    spans: &'a [u8],
+    data: &'a [u8],
+}
+
+/// One body's part of a table.
+#[derive(Debug, Clone, Copy)]
+pub struct BodyTable<'a> {
+    spans: &'a [[u8; SPAN_BYTES]],
+    data: &'a [[u8; ORDER_BYTES]],
+}
+
+/// One span record, read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Body number.
+    pub body: i32,
+    /// Coefficients per component.
+    pub coefficients: u16,
+    /// Granules of equal length.
+    pub granules: u32,
+    /// Index of the first coefficient in the data.
+    pub first: u32,
+    /// Start of the first granule.
+    pub start: Instant,
+    /// Length of a granule in ns.
+    pub granule_ns: NonZeroU64,
+    /// Bounds on the motion over the span.
+    pub bounds: MotionBounds,
+}
+
+impl Span {
+    /// Reads a record; `None` when a field is out of its range.
+    #[must_use]
+    pub fn from_le_bytes(record: &[u8; SPAN_BYTES]) -> Option<Self> {
+        let coefficients = u16_at(record, 4)?;
+        let granules = u32_at(record, 8)?;
+        let bounds = MotionBounds {
+            rate_rad_s: f64_at(record, 32)?,
+            acceleration_per_s2: f64_at(record, 40)?,
+            max_abs_z: f64_at(record, 48)?,
+        };
+        let in_range = |value: f64| value.is_finite() && value >= 0.0;
+        let legal = (1..=MAX_COEFFICIENTS).contains(&coefficients)
+            && granules > 0
+            && u16_at(record, 6)? == 0
+            && in_range(bounds.rate_rad_s)
+            && in_range(bounds.acceleration_per_s2)
+            && in_range(bounds.max_abs_z);
+        let span = Self {
+            body: i32_at(record, 0)?,
+            coefficients,
+            granules,
+            first: u32_at(record, 12)?,
+            start: Instant::from_tai_ns(i64_at(record, 16)?),
+            granule_ns: NonZeroU64::new(u64_at(record, 24)?)?,
+            bounds,
+        };
+        (legal && span.end().is_some()).then_some(span)
+    }
+
+    /// The record of a span.
+    #[must_use]
+    pub fn to_le_bytes(&self) -> [u8; SPAN_BYTES] {
+        let mut record = [0; SPAN_BYTES];
+        crate::bytes::put(&mut record, 0, self.body.to_le_bytes());
+        crate::bytes::put(&mut record, 4, self.coefficients.to_le_bytes());
+        crate::bytes::put(&mut record, 8, self.granules.to_le_bytes());
+        crate::bytes::put(&mut record, 12, self.first.to_le_bytes());
+        crate::bytes::put(&mut record, 16, self.start.tai_ns().to_le_bytes());
+        crate::bytes::put(&mut record, 24, self.granule_ns.get().to_le_bytes());
+        crate::bytes::put(&mut record, 32, self.bounds.rate_rad_s.to_le_bytes());
+        crate::bytes::put(&mut record, 40, self.bounds.acceleration_per_s2.to_le_bytes());
+        crate::bytes::put(&mut record, 48, self.bounds.max_abs_z.to_le_bytes());
+        record
+    }
+
+    /// End of the last granule; `None` beyond the time scale.
+    #[must_use]
+    pub fn end(&self) -> Option<Instant> {
+        let length = self.granule_ns.get().checked_mul(u64::from(self.granules))?;
+        self.start.tai_ns().checked_add_unsigned(length).map(Instant::from_tai_ns)
+    }
+}
+
+impl<'a> EphemerisTable<'a> {
+    /// Checks and borrows a table.
+    ///
+    /// # Errors
+    /// [`EphemerisError::WrongLength`], [`EphemerisError::BadSpan`] or
+    /// [`EphemerisError::BadCoefficient`].
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, EphemerisError> {
+        let count = u32_at(bytes, 0).ok_or(EphemerisError::WrongLength)?;
+        let numbers = u32_at(bytes, 4).ok_or(EphemerisError::WrongLength)?;
+        let body = bytes.get(HEADER_BYTES..).ok_or(EphemerisError::WrongLength)?;
+        let span_bytes =
+            index_from_u32(count).checked_mul(SPAN_BYTES).ok_or(EphemerisError::WrongLength)?;
+        let (spans, data) = body.split_at_checked(span_bytes).ok_or(EphemerisError::WrongLength)?;
+        if index_from_u32(numbers).checked_mul(8) != Some(data.len()) || numbers % 3 != 0 {
+            return Err(EphemerisError::WrongLength);
+        }
+        let table = Self { spans, data };
+        table.check_spans(numbers)?;
+        let mut index = 0_u32;
+        for number in data.as_chunks::<8>().0 {
+            if !f64::from_le_bytes(*number).is_finite() {
+                return Err(EphemerisError::BadCoefficient(index));
+            }
+            index = index.wrapping_add(1);
+        }
+        Ok(table)
+    }
+
+    /// Spans are legal, lie inside the data, and are ordered by body and time without overlap.
+    fn check_spans(self, numbers: u32) -> Result<(), EphemerisError> {
+        let mut previous: Option<Span> = None;
+        let mut index = 0_u32;
+        for record in self.spans.as_chunks::<SPAN_BYTES>().0 {
+            let bad = EphemerisError::BadSpan(index);
+            let span = Span::from_le_bytes(record).ok_or(bad)?;
+            let size = u32::from(span.coefficients)
+                .checked_mul(3)
+                .and_then(|granule| granule.checked_mul(span.granules))
+                .and_then(|size| size.checked_add(span.first))
+                .ok_or(bad)?;
+            if size > numbers || span.first % 3 != 0 {
+                return Err(bad);
+            }
+            if let Some(before) = previous {
+                let after = before.body < span.body
+                    || (before.body == span.body
+                        && before.end().is_some_and(|end| end <= span.start));
+                if !after {
+                    return Err(bad);
+                }
+            }
+            previous = Some(span);
+            index = index.wrapping_add(1);
+        }
+        Ok(())
+    }
+
+    /// The spans, by body, then start.
+    pub fn spans(self) -> impl Iterator<Item = Span> + 'a {
+        self.spans.as_chunks::<SPAN_BYTES>().0.iter().filter_map(Span::from_le_bytes)
+    }
+
+    /// One body's part of the table.
+    ///
+    /// # Errors
+    /// [`EphemerisError::NoSuchBody`].
+    pub fn body(self, body: i32) -> Result<BodyTable<'a>, EphemerisError> {
+        let records = self.spans.as_chunks::<SPAN_BYTES>().0;
+        let number = |record: &[u8; SPAN_BYTES]| i32_at(record, 0).unwrap_or(i32::MAX);
+        let first = records.partition_point(|record| number(record) < body);
+        let last = records.partition_point(|record| number(record) <= body);
+        match records.get(first..last) {
+            Some(spans) if !spans.is_empty() => {
+                Ok(BodyTable { spans, data: self.data.as_chunks::<ORDER_BYTES>().0 })
+            }
+            _ => Err(EphemerisError::NoSuchBody(body)),
+        }
+    }
+}
+
+impl BodyTable<'_> {
+    /// The body's direction at `at`, and how it moves.
+    ///
+    /// # Errors
+    /// [`EphemerisError::OutOfSpan`] outside the body's spans, or in a gap between two.
+    pub fn state(self, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> {
+        self.evaluate(at).ok_or(EphemerisError::OutOfSpan(at))
+    }
+
+    fn evaluate(self, at: Instant) -> Option<DirectionState<Ecliptic>> {
+        // The last span that starts at or before `at`; its far end is inclusive.
+        let after = self
+            .spans
+            .partition_point(|record| i64_at(record, 16).is_some_and(|ns| ns <= at.tai_ns()));
+        let span = Span::from_le_bytes(self.spans.get(after.checked_sub(1)?)?)?;
+        let offset = u64::try_from(at.tai_ns().checked_sub(span.start.tai_ns())?).ok()?;
+        let last = u64::from(span.granules).wrapping_sub(1);
+        let granule = match offset.checked_div(span.granule_ns.get())? {
+            inside if inside <= last => inside,
+            _ if span.end()? == at => last,
+            _ => return None,
+        };
+        let within = offset.wrapping_sub(granule.wrapping_mul(span.granule_ns.get()));
+        let orders = usize::from(span.coefficients);
+        let first = index_from_u32(span.first.checked_div(3)?)
+            .checked_add(index_from_u64(granule).checked_mul(orders)?)?;
+        let series = self.data.get(first..first.checked_add(orders)?)?;
+        let length = f64_from_u64(span.granule_ns.get());
+        let (value, slope) = clenshaw(series, 2.0 * (f64_from_u64(within) / length) - 1.0);
+        let direction = Direction::new(value.x, value.y, value.z)?;
+        // d(v/|v|)/dt = (v' - n (n . v')) / |v|; |v| is one within the fit's error.
+        let unit = direction.vector();
+        let per_second = slope * (2.0e9 / length);
+        let along = unit.x * per_second.x + unit.y * per_second.y + unit.z * per_second.z;
+        let rate = per_second - unit * along;
+        Some(DirectionState { direction, rate_per_s: [rate.x, rate.y, rate.z] })
+    }
+
+    /// First and last instant of the body's spans; a gap between spans is not seen here.
+    #[must_use]
+    pub fn coverage(self) -> Option<(Instant, Instant)> {
+        let first = Span::from_le_bytes(self.spans.first()?)?;
+        let last = Span::from_le_bytes(self.spans.last()?)?;
+        Some((first.start, last.end()?))
+    }
+
+    /// Bounds on the motion over all of the body's spans.
+    #[must_use]
+    pub fn bounds(self) -> MotionBounds {
+        let none = MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 0.0 };
+        self.spans.iter().filter_map(Span::from_le_bytes).fold(none, |a, span| MotionBounds {
+            rate_rad_s: libm::fmax(a.rate_rad_s, span.bounds.rate_rad_s),
+            acceleration_per_s2: libm::fmax(a.acceleration_per_s2, span.bounds.acceleration_per_s2),
+            max_abs_z: libm::fmax(a.max_abs_z, span.bounds.max_abs_z),
+        })
+    }
+}
+
+/// `sum_k c_k T_k(x)` and its derivative with respect to x, by Clenshaw's recurrence.
+fn clenshaw(series: &[[u8; ORDER_BYTES]], x: f64) -> (Vector3<f64>, Vector3<f64>) {
+    let zero = Vector3::new(0.0, 0.0, 0.0);
+    let Some((constant, higher)) = series.split_first() else { return (zero, zero) };
+    let two_x = 2.0 * x;
+    // b_k = c_k + 2 x b_{k+1} - b_{k+2}; the derivative's recurrence adds 2 b_{k+1}.
+    let (mut b1, mut b2, mut d1, mut d2) = (zero, zero, zero, zero);
+    for order in higher.iter().rev() {
+        let d = b1 * 2.0 + d1 * two_x - d2;
+        let b = coefficient(order) + b1 * two_x - b2;
+        (b2, b1, d2, d1) = (b1, b, d1, d);
+    }
+    (coefficient(constant) + b1 * x - b2, b1 + d1 * x - d2)
+}
+
+fn coefficient(order: &[u8; ORDER_BYTES]) -> Vector3<f64> {
+    let number = |offset| f64_at(order, offset).unwrap_or(0.0);
+    Vector3::new(number(0), number(8), number(16))
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    /// Two granules of 1000 s: z = 1, x = 1e-3 (u + granule), so the direction is known.
+    fn table() -> Vec<u8> {
+        let span = Span {
+            body: 5,
+            coefficients: 2,
+            granules: 2,
+            first: 0,
+            start: Instant::from_tai_ns(-500),
+            granule_ns: NonZeroU64::new(1_000_000_000_000).unwrap(),
+            bounds: MotionBounds { rate_rad_s: 2.1e-6, acceleration_per_s2: 1e-11, max_abs_z: 1.0 },
+        };
+        let mut bytes = Vec::new();
+        bytes.extend(1_u32.to_le_bytes());
+        bytes.extend(12_u32.to_le_bytes());
+        bytes.extend(span.to_le_bytes());
+        for c in [0.0, 0.0, 1.0, 1e-3, 0.0, 0.0, 2e-3, 0.0, 1.0, 1e-3, 0.0, 0.0_f64] {
+            bytes.extend(c.to_le_bytes());
+        }
+        bytes
+    }
+
+    #[test]
+    fn a_straight_track_comes_back() {
+        let bytes = table();
+        let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
+        for (ns, x) in [(-500, -1e-3), (499_999_999_500, 0.0), (1_999_999_999_500, 3e-3)] {
+            let state = body.state(Instant::from_tai_ns(ns)).unwrap();
+            let [sx, _, sz] = state.direction.xyz();
+            assert!((sx / sz - x).abs() < 1e-15, "{sx} {x}");
+            assert!((state.rate_per_s[0] - 2e-6).abs() < 1e-10);
+        }
+        for ns in [-501, 1_999_999_999_501] {
+            let at = Instant::from_tai_ns(ns);
+            assert_eq!(body.state(at).unwrap_err(), EphemerisError::OutOfSpan(at));
+        }
+    }
+
+    #[test]
+    fn refuses_damage() {
+        let good = table();
+        assert_eq!(
+            EphemerisTable::parse(&good).unwrap().body(4).unwrap_err(),
+            EphemerisError::NoSuchBody(4)
+        );
+        for length in 0..good.len() {
+            assert_eq!(
+                EphemerisTable::parse(&good[..length]).unwrap_err(),
+                EphemerisError::WrongLength
+            );
+        }
+        let with = |offset: usize, bytes: &[u8]| {
+            let mut table = good.clone();
+            table[offset..offset + bytes.len()].copy_from_slice(bytes);
+            EphemerisTable::parse(&table).map(|_| ()).unwrap_err()
+        };
+        assert_eq!(with(12, &0_u16.to_le_bytes()), EphemerisError::BadSpan(0));
+        assert_eq!(with(16, &9_u32.to_le_bytes()), EphemerisError::BadSpan(0));
+        assert_eq!(with(32, &0_u64.to_le_bytes()), EphemerisError::BadSpan(0));
+        assert_eq!(with(40, &f64::NAN.to_le_bytes()), EphemerisError::BadSpan(0));
+        assert_eq!(with(64, &f64::INFINITY.to_le_bytes()), EphemerisError::BadCoefficient(0));
+    }
+}

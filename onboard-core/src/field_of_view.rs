@@ -1,0 +1,187 @@
+//! Which part of the sky counts as inside.
+//!
+//! A [`FieldOfView`] is fixed in [`Boresight`]: a circle about a line of sight, or the rectangle of
+//! a focal plane. Both are an intersection of at most four caps `e . w >= cos r`, which is all that
+//! the transit finder knows: a rectangle's sides are great circles, caps of 90 deg.
+//!
+//! A rectangle of width w and height h about z holds the directions with z > 0,
+//! |atan2(x, z)| <= h/2 and |atan2(y, z)| <= w/2: width along y, height along x of its frame.
+//!
+//! Limits: radius in (0, pi]; width and height in (0, pi).
+
+use crate::direction::Direction;
+use crate::frame::Boresight;
+use crate::rotation::Rotation;
+use core::f64::consts::{FRAC_PI_2, PI};
+use nalgebra::Vector3;
+
+/// Why a field of view cannot be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FieldOfViewError {
+    /// A radius (radians) outside (0, pi].
+    Radius(f64),
+    /// A width or height (radians) outside (0, pi).
+    Side(f64),
+}
+
+/// Shape and size of a field of view, in radians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FieldShape {
+    /// A circle of this radius.
+    Circle(f64),
+    /// A rectangle of this width (along y) and height (along x).
+    Rectangle(f64, f64),
+}
+
+/// A set of directions fixed in the spacecraft.
+#[derive(Debug, Clone, Copy)]
+pub struct FieldOfView {
+    shape: FieldShape,
+    centre: Vector3<f64>,
+    /// Radius of a circle about the centre that holds all of it.
+    reach_rad: f64,
+    caps: Caps,
+}
+
+/// The caps whose intersection the field of view is, as (axis, radius).
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Caps {
+    /// One circle about the centre.
+    Circle,
+    /// Four hemispheres about these axes.
+    Rectangle([Vector3<f64>; 4]),
+}
+
+impl FieldOfView {
+    /// The field of view of this shape about the line of sight (z) of `frame`.
+    ///
+    /// # Errors
+    /// [`FieldOfViewError`] when a size is out of range.
+    pub fn new<F>(
+        frame: Rotation<F, Boresight>,
+        shape: FieldShape,
+    ) -> Result<Self, FieldOfViewError> {
+        match shape {
+            FieldShape::Circle(radius) => Self::circle(frame, radius),
+            FieldShape::Rectangle(width, height) => Self::rectangle(frame, width, height),
+        }
+    }
+
+    /// The circle of `radius_rad` about the line of sight (z) of `frame`.
+    ///
+    /// # Errors
+    /// [`FieldOfViewError::Radius`].
+    pub fn circle<F>(
+        frame: Rotation<F, Boresight>,
+        radius_rad: f64,
+    ) -> Result<Self, FieldOfViewError> {
+        if !(radius_rad > 0.0 && radius_rad <= PI) {
+            return Err(FieldOfViewError::Radius(radius_rad));
+        }
+        let centre = frame.apply(Direction::Z).vector();
+        let shape = FieldShape::Circle(radius_rad);
+        Ok(Self { shape, centre, reach_rad: radius_rad, caps: Caps::Circle })
+    }
+
+    /// The rectangle of `width_rad` along y and `height_rad` along x of `frame`, about its z.
+    ///
+    /// # Errors
+    /// [`FieldOfViewError::Side`].
+    pub fn rectangle<F>(
+        frame: Rotation<F, Boresight>,
+        width_rad: f64,
+        height_rad: f64,
+    ) -> Result<Self, FieldOfViewError> {
+        for side in [width_rad, height_rad] {
+            if !(side > 0.0 && side < PI) {
+                return Err(FieldOfViewError::Side(side));
+            }
+        }
+        let (sin_w, cos_w) = libm::sincos(0.5 * width_rad);
+        let (sin_h, cos_h) = libm::sincos(0.5 * height_rad);
+        let axis = |x: f64, y: f64, z: f64| frame.rotate(Vector3::new(x, y, z));
+        // A corner lies at (tan h/2, tan w/2, 1).
+        let (tan_w, tan_h) = (sin_w / cos_w, sin_h / cos_h);
+        Ok(Self {
+            shape: FieldShape::Rectangle(width_rad, height_rad),
+            centre: axis(0.0, 0.0, 1.0),
+            reach_rad: libm::atan(libm::hypot(tan_w, tan_h)),
+            caps: Caps::Rectangle([
+                axis(cos_h, 0.0, sin_h),
+                axis(-cos_h, 0.0, sin_h),
+                axis(0.0, cos_w, sin_w),
+                axis(0.0, -cos_w, sin_w),
+            ]),
+        })
+    }
+
+    /// Its shape and size.
+    #[must_use]
+    pub const fn shape(&self) -> FieldShape {
+        self.shape
+    }
+
+    /// The direction that separations are measured from.
+    #[must_use]
+    pub const fn centre(&self) -> Direction<Boresight> {
+        Direction::from_unit(self.centre)
+    }
+
+    /// Radius in radians of a circle about the centre that holds the field of view.
+    #[must_use]
+    pub const fn reach_rad(&self) -> f64 {
+        self.reach_rad
+    }
+
+    pub(crate) const fn caps(&self) -> Caps {
+        self.caps
+    }
+
+    /// Whether a direction is inside, by the definition: the slow oracle of the transit finder.
+    #[must_use]
+    pub fn contains(&self, direction: Direction<Boresight>) -> bool {
+        match self.caps {
+            Caps::Circle => {
+                Direction::<Boresight>::from_unit(self.centre).separation_rad(direction)
+                    <= self.reach_rad
+            }
+            Caps::Rectangle(axes) => axes.iter().all(|axis| {
+                Direction::<Boresight>::from_unit(*axis).separation_rad(direction) <= FRAC_PI_2
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Telescope;
+
+    #[test]
+    fn a_rectangle_is_wide_along_y() {
+        let frame = Rotation::<Telescope, Boresight>::IDENTITY;
+        let rectangle =
+            FieldOfView::rectangle(frame, 18.0_f64.to_radians(), 8.0_f64.to_radians()).unwrap();
+        let at = |x_deg: f64, y_deg: f64| {
+            let (x, y) = (x_deg.to_radians().tan(), y_deg.to_radians().tan());
+            rectangle.contains(Direction::new(x, y, 1.0).unwrap())
+        };
+        assert!(at(3.99, 8.99) && at(-3.99, -8.99) && at(0.0, 8.99));
+        assert!(!at(4.01, 0.0) && !at(0.0, 9.01) && !at(-4.01, 0.0) && !at(0.0, -9.01));
+        assert!(!rectangle.contains(Direction::new(0.0, 0.0, -1.0).unwrap()));
+        let corner =
+            libm::atan(libm::hypot(4.0_f64.to_radians().tan(), 9.0_f64.to_radians().tan()));
+        assert!((rectangle.reach_rad() - corner).abs() < 1e-15);
+    }
+
+    #[test]
+    fn sizes_have_a_legal_range() {
+        let frame = Rotation::<Telescope, Boresight>::IDENTITY;
+        for bad in [0.0, -1.0, 3.15, f64::NAN] {
+            assert!(FieldOfView::circle(frame, bad).is_err());
+            assert!(FieldOfView::rectangle(frame, bad, 0.1).is_err());
+            assert!(FieldOfView::rectangle(frame, 0.1, bad).is_err());
+        }
+        assert!(FieldOfView::circle(frame, PI).is_ok());
+    }
+}

@@ -1,0 +1,173 @@
+//! The scanning strategy: precession about the anti-Sun axis, spin about the spin axis.
+//!
+//! Chain [Takase2024, A.1]: `n(t) = R_z(a) R_y(alpha) R_z(b) R_y(beta) z` in [`AntiSun`], with exact
+//! phases a and b; the signs of the two rates give the four combinations of rotation directions.
+//!
+//! | paper | here |
+//! |---|---|
+//! | alpha | angle from the anti-Sun axis to the spin axis |
+//! | beta | angle from the spin axis to the boresight |
+//! | `omega_alpha t` | precession phase a |
+//! | `omega_beta t` | spin phase b |
+//!
+//! Limits: alpha, beta in [0, pi] and alpha + beta at most pi; rates must not be zero.
+
+use crate::frame::{AntiSun, Boresight, Spin};
+use crate::phase::{Phase, Rotor};
+use crate::rotation::Rotation;
+use crate::time::{Duration, Instant};
+use core::f64::consts::PI;
+
+/// What defines a scanning strategy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScanParameters {
+    /// Instant at which both phases have their start values.
+    pub start: Instant,
+    /// Angle from the anti-Sun axis to the spin axis in radians.
+    pub alpha_rad: f64,
+    /// Angle from the spin axis to the boresight in radians.
+    pub beta_rad: f64,
+    /// Precession: signed rate and phase at the start.
+    pub precession: Rotor,
+    /// Spin: signed rate and phase at the start.
+    pub spin: Rotor,
+}
+
+/// Why parameters are not a scanning strategy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ScanError {
+    /// Alpha (radians) is not in [0, pi].
+    Alpha(f64),
+    /// Beta (radians) is not in [0, pi].
+    Beta(f64),
+    /// Alpha + beta (radians) exceeds pi.
+    AlphaPlusBeta(f64),
+    /// The precession rate is zero, or half a turn per ns or faster.
+    PrecessionRate,
+    /// The spin rate is zero, or half a turn per ns or faster.
+    SpinRate,
+}
+
+/// A legal scanning strategy.
+#[derive(Debug, Clone, Copy)]
+pub struct ScanStrategy {
+    parameters: ScanParameters,
+}
+
+/// Slack for alpha + beta = pi given in rounded radians.
+const SUM_SLACK: f64 = 1e-12;
+
+impl ScanStrategy {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// [`ScanError`] names the parameter that is out of range.
+    pub fn new(parameters: ScanParameters) -> Result<Self, ScanError> {
+        let (alpha, beta) = (parameters.alpha_rad, parameters.beta_rad);
+        if !(0.0..=PI).contains(&alpha) {
+            return Err(ScanError::Alpha(alpha));
+        }
+        if !(0.0..=PI).contains(&beta) {
+            return Err(ScanError::Beta(beta));
+        }
+        if alpha + beta > PI + SUM_SLACK {
+            return Err(ScanError::AlphaPlusBeta(alpha + beta));
+        }
+        let usable = |rotor: Rotor| {
+            let bits = rotor.rate.bits();
+            bits != 0 && bits != 1 << 127_u32
+        };
+        if !usable(parameters.precession) {
+            return Err(ScanError::PrecessionRate);
+        }
+        if !usable(parameters.spin) {
+            return Err(ScanError::SpinRate);
+        }
+        Ok(Self { parameters })
+    }
+
+    /// The parameters as given.
+    #[must_use]
+    pub const fn parameters(&self) -> &ScanParameters {
+        &self.parameters
+    }
+
+    /// Time from the mission's start to `at`.
+    #[must_use]
+    pub const fn elapsed(&self, at: Instant) -> Duration {
+        at.since(self.parameters.start)
+    }
+
+    /// Precession and spin phases at `at`.
+    #[must_use]
+    pub const fn phases(&self, at: Instant) -> (Phase, Phase) {
+        let elapsed = self.elapsed(at);
+        (self.parameters.precession.phase(elapsed), self.parameters.spin.phase(elapsed))
+    }
+
+    /// Completed precession and spin turns since the start.
+    #[must_use]
+    pub const fn turns(&self, at: Instant) -> (u64, u64) {
+        let elapsed = self.elapsed(at);
+        (
+            self.parameters.precession.rate.completed_turns(elapsed),
+            self.parameters.spin.rate.completed_turns(elapsed),
+        )
+    }
+
+    /// The fixed rotation from [`Boresight`] to [`Spin`]: `R_y(beta)`.
+    #[must_use]
+    pub fn boresight_in_spin(&self) -> Rotation<Boresight, Spin> {
+        Rotation::about_y(self.parameters.beta_rad)
+    }
+
+    /// The rotation from [`Spin`] to [`AntiSun`] at `at`: `R_z(a) R_y(alpha) R_z(b)`.
+    #[must_use]
+    pub fn spin_in_anti_sun(&self, at: Instant) -> Rotation<Spin, AntiSun> {
+        let (precession, spin) = self.phases(at);
+        Rotation::<Spin, Spin>::about_z_by(spin)
+            .then(Rotation::<Spin, Spin>::about_y(self.parameters.alpha_rad))
+            .then(Rotation::about_z_by(precession))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::phase::TurnRate;
+
+    fn parameters(alpha_deg: f64, beta_deg: f64) -> ScanParameters {
+        let rotor = Rotor { rate: TurnRate::from_bits(1 << 80), start: Phase::ZERO };
+        ScanParameters {
+            start: Instant::from_tai_ns(0),
+            alpha_rad: alpha_deg.to_radians(),
+            beta_rad: beta_deg.to_radians(),
+            precession: rotor,
+            spin: rotor,
+        }
+    }
+
+    #[test]
+    fn angles_have_a_legal_range() {
+        assert!(ScanStrategy::new(parameters(45.0, 50.0)).is_ok());
+        assert!(ScanStrategy::new(parameters(0.0, 180.0)).is_ok());
+        assert!(ScanStrategy::new(parameters(90.0, 90.0)).is_ok());
+        assert!(matches!(ScanStrategy::new(parameters(-1.0, 50.0)), Err(ScanError::Alpha(_))));
+        assert!(matches!(ScanStrategy::new(parameters(f64::NAN, 50.0)), Err(ScanError::Alpha(_))));
+        assert!(matches!(ScanStrategy::new(parameters(1.0, 181.0)), Err(ScanError::Beta(_))));
+        assert!(matches!(
+            ScanStrategy::new(parameters(100.0, 81.0)),
+            Err(ScanError::AlphaPlusBeta(_))
+        ));
+    }
+
+    #[test]
+    fn rates_must_turn() {
+        let mut still = parameters(45.0, 50.0);
+        still.spin.rate = TurnRate::from_bits(0);
+        assert!(matches!(ScanStrategy::new(still), Err(ScanError::SpinRate)));
+        let mut still = parameters(45.0, 50.0);
+        still.precession.rate = TurnRate::from_bits(0);
+        assert!(matches!(ScanStrategy::new(still), Err(ScanError::PrecessionRate)));
+    }
+}

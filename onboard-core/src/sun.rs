@@ -1,0 +1,208 @@
+//! Where is the Sun, and how does the anti-Sun frame turn.
+//!
+//! [`SunModel`] gives the geometric Sun-to-spacecraft direction in [`Ecliptic`]: from the table
+//! (default) or as a uniform circular motion in longitude (the paper's and Falcons.jl's model).
+//! [`AntiSunAxes`] are the axes of [`AntiSun`] and their angular velocity.
+//!
+//! Method: z along the direction, x ecliptic north made perpendicular to z, y = z cross x.
+//!
+//! Limits: undefined with the spacecraft over an ecliptic pole of the Sun; x is then taken along
+//! the longitude 0.
+
+use crate::direction::{Direction, DirectionState, MotionBounds};
+use crate::ephemeris::{BodyTable, EphemerisError};
+use crate::frame::{AntiSun, Ecliptic};
+use crate::phase::Rotor;
+use crate::rotation::Rotation;
+use crate::time::Instant;
+use nalgebra::Vector3;
+
+/// The Sun-to-spacecraft direction over the mission.
+#[derive(Debug, Clone, Copy)]
+pub enum SunModel<'a> {
+    /// The anti-Sun longitude turns uniformly, latitude 0.
+    Circular(Rotor),
+    /// From an ephemeris table.
+    Table(BodyTable<'a>),
+}
+
+impl SunModel<'_> {
+    /// Sun-to-spacecraft direction and rate at `at`, for a mission that starts at `start`.
+    ///
+    /// # Errors
+    /// [`EphemerisError::OutOfSpan`] beyond the table.
+    pub fn state(
+        &self,
+        start: Instant,
+        at: Instant,
+    ) -> Result<DirectionState<Ecliptic>, EphemerisError> {
+        match self {
+            Self::Circular(longitude) => {
+                let (sin, cos) = longitude.phase(at.since(start)).sin_cos();
+                let rate = longitude.rate.radians_per_second();
+                Ok(DirectionState {
+                    direction: Direction::from_unit(Vector3::new(cos, sin, 0.0)),
+                    rate_per_s: [-rate * sin, rate * cos, 0.0],
+                })
+            }
+            Self::Table(body) => body.state(at),
+        }
+    }
+
+    /// Bounds on the direction's motion over all the time it is known.
+    #[must_use]
+    pub fn bounds(&self) -> MotionBounds {
+        match self {
+            Self::Circular(longitude) => {
+                let rate = libm::fabs(longitude.rate.radians_per_second());
+                MotionBounds { rate_rad_s: rate, acceleration_per_s2: rate * rate, max_abs_z: 0.0 }
+            }
+            Self::Table(body) => body.bounds(),
+        }
+    }
+}
+
+/// The axes of [`AntiSun`] in [`Ecliptic`], and how they turn.
+#[derive(Debug, Clone, Copy)]
+pub struct AntiSunAxes {
+    x: Vector3<f64>,
+    y: Vector3<f64>,
+    z: Vector3<f64>,
+    /// Angular velocity in rad/s, components in [`Ecliptic`].
+    angular_velocity: Vector3<f64>,
+}
+
+impl AntiSunAxes {
+    /// The axes that follow `sun` (Sun to spacecraft).
+    #[must_use]
+    pub fn new(sun: &DirectionState<Ecliptic>) -> Self {
+        let z = sun.direction.vector();
+        let [vx, vy, vz] = sun.rate_per_s;
+        let rho = libm::sqrt(z.x * z.x + z.y * z.y);
+        let (cos_lon, sin_lon) = if rho > 0.0 { (z.x / rho, z.y / rho) } else { (1.0, 0.0) };
+        let x = Vector3::new(-z.z * cos_lon, -z.z * sin_lon, rho);
+        let y = Vector3::new(sin_lon, -cos_lon, 0.0);
+        // omega = longitude' north + latitude' y: raising the latitude turns z towards x.
+        let safe_rho = if rho > 0.0 { rho } else { 1.0 };
+        let longitude_rate = (cos_lon * vy - sin_lon * vx) / safe_rho;
+        let latitude_rate = vz / safe_rho;
+        let north = Vector3::new(0.0, 0.0, longitude_rate);
+        Self { x, y, z, angular_velocity: north + y * latitude_rate }
+    }
+
+    /// A direction's components in [`AntiSun`], and their rate, the frame's own motion included.
+    #[must_use]
+    pub fn view(&self, target: &DirectionState<Ecliptic>) -> DirectionState<AntiSun> {
+        let p = target.direction.vector();
+        let [vx, vy, vz] = target.rate_per_s;
+        let relative = Vector3::new(vx, vy, vz) - self.angular_velocity.cross(&p);
+        let seen = self.components(p);
+        let rate = self.components(relative);
+        DirectionState {
+            direction: Direction::from_unit(seen),
+            rate_per_s: [rate.x, rate.y, rate.z],
+        }
+    }
+
+    /// Angular velocity of the frame in rad/s, components in [`AntiSun`].
+    #[must_use]
+    pub fn angular_velocity_rad_s(&self) -> [f64; 3] {
+        let omega = self.components(self.angular_velocity);
+        [omega.x, omega.y, omega.z]
+    }
+
+    /// The rotation from [`AntiSun`] to [`Ecliptic`].
+    #[must_use]
+    pub fn rotation(&self) -> Rotation<AntiSun, Ecliptic> {
+        Rotation::to_direction_with_x_north(Direction::from_unit(self.z))
+    }
+
+    fn components(&self, v: Vector3<f64>) -> Vector3<f64> {
+        let dot = |a: &Vector3<f64>| a.x * v.x + a.y * v.y + a.z * v.z;
+        Vector3::new(dot(&self.x), dot(&self.y), dot(&self.z))
+    }
+}
+
+/// Bounds on how the anti-Sun frame and a target in it move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RelativeBounds {
+    /// Largest rate of the target's direction in [`AntiSun`], rad/s.
+    pub(crate) rate: f64,
+    /// Largest second derivative of that direction, 1/s^2.
+    pub(crate) acceleration: f64,
+}
+
+impl RelativeBounds {
+    /// From bounds on the Sun's and the target's motion in [`Ecliptic`].
+    ///
+    /// With rho the smallest cosine of the Sun's latitude, v and a the Sun's bounds: the frame turns
+    /// at most at v/rho and changes that at most by 2 (a + 2 v^2/rho)/rho; the target's second
+    /// derivative in the turning frame follows from the rule for relative motion.
+    pub(crate) fn new(sun: &MotionBounds, target: &MotionBounds) -> Self {
+        let sin_latitude = libm::fmin(sun.max_abs_z, 1.0);
+        let rho = libm::sqrt(libm::fmax(1.0 - sin_latitude * sin_latitude, 1e-12));
+        let turn = sun.rate_rad_s / rho;
+        let turn_change =
+            2.0 * (sun.acceleration_per_s2 + 2.0 * sun.rate_rad_s * sun.rate_rad_s / rho) / rho;
+        Self {
+            rate: turn + target.rate_rad_s,
+            acceleration: target.acceleration_per_s2
+                + 2.0 * turn * target.rate_rad_s
+                + turn_change
+                + turn * turn,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn axes_and_rotation_agree(lon in -4.0..4.0_f64, lat in -1.4..1.4_f64) {
+            let sun = DirectionState {
+                direction: Direction::from_longitude_latitude(lon, lat),
+                rate_per_s: [0.0; 3],
+            };
+            let axes = AntiSunAxes::new(&sun);
+            let there = axes.view(&DirectionState {
+                direction: Direction::from_longitude_latitude(0.3, 0.4),
+                rate_per_s: [0.0; 3],
+            });
+            let back = axes.rotation().apply(there.direction);
+            prop_assert!(back.separation_rad(Direction::from_longitude_latitude(0.3, 0.4)) < 2e-15);
+        }
+
+        #[test]
+        fn the_frame_turns_as_its_angular_velocity_says(
+            lon in -3.0..3.0_f64, lat in -1.2..1.2_f64, dlon in -1.0..1.0_f64, dlat in -1.0..1.0_f64,
+        ) {
+            // Central difference of the view of a fixed direction against the analytic rate.
+            let sun = |t: f64| {
+                let (l, b) = (lon + dlon * t, lat + dlat * t);
+                let (sl, cl) = libm::sincos(l);
+                let (sb, cb) = libm::sincos(b);
+                DirectionState {
+                    direction: Direction::<Ecliptic>::from_longitude_latitude(l, b),
+                    rate_per_s: [
+                        -sb * cl * dlat - cb * sl * dlon,
+                        -sb * sl * dlat + cb * cl * dlon,
+                        cb * dlat,
+                    ],
+                }
+            };
+            let target = DirectionState {
+                direction: Direction::from_longitude_latitude(0.3, -0.4),
+                rate_per_s: [0.0; 3],
+            };
+            let h = 1e-5;
+            let at = |t: f64| AntiSunAxes::new(&sun(t)).view(&target);
+            let (after, before) = (at(h).direction.xyz(), at(-h).direction.xyz());
+            for ((a, b), rate) in after.iter().zip(before).zip(at(0.0).rate_per_s) {
+                prop_assert!(((a - b) / (2.0 * h) - rate).abs() < 1e-8 / lat.cos().powi(3));
+            }
+        }
+    }
+}

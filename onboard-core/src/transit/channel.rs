@@ -1,0 +1,276 @@
+//! One target against one field of view: the search as a resumable state.
+
+use super::Transit;
+use super::reach::Reach;
+use super::sight::{Motion, Sight};
+use crate::ephemeris::{BodyTable, EphemerisError};
+use crate::field_of_view::FieldOfView;
+use crate::scan::ScanStrategy;
+use crate::sun::{RelativeBounds, SunModel};
+use crate::time::{Duration, Instant};
+use serde::{Deserialize, Serialize};
+
+/// Most evaluations (Sun, target and phases at one instant) that one step of the search makes.
+pub const MAX_EVALUATIONS_PER_STEP: u32 = 13;
+
+/// Evaluations spent on one closest approach.
+const REFINEMENTS: u32 = MAX_EVALUATIONS_PER_STEP - 1;
+/// Newton's correction of an entry or exit never exceeds this, in seconds.
+const LONGEST_CORRECTION_S: f64 = 1e-3;
+
+/// All that a search must remember to go on with the same bits.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SearchState {
+    /// Next instant to evaluate; no entry before it is unknown.
+    at: Instant,
+    end: Instant,
+    previous: Option<Approach>,
+    stage: Stage,
+}
+
+/// How close the target was at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Approach {
+    at: Instant,
+    closeness: f64,
+    rate: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+enum Stage {
+    Outside,
+    Inside(Visit),
+    Found(Transit),
+    Done,
+}
+
+/// A transit in progress.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Visit {
+    entry: Instant,
+    clipped: bool,
+    best: Approach,
+}
+
+/// A search for one target in one field of view.
+#[derive(Debug, Clone, Copy)]
+pub struct Channel<'a> {
+    motion: Motion,
+    sun: SunModel<'a>,
+    target: BodyTable<'a>,
+    reach: Reach,
+    state: SearchState,
+}
+
+impl<'a> Channel<'a> {
+    /// A search from `start` to `end`, both included.
+    #[must_use]
+    pub fn new(
+        scan: &ScanStrategy,
+        sun: SunModel<'a>,
+        target: BodyTable<'a>,
+        field: &FieldOfView,
+        (start, end): (Instant, Instant),
+    ) -> Self {
+        let motion = Motion::new(scan);
+        let bounds = RelativeBounds::new(&sun.bounds(), &target.bounds());
+        let reach = Reach::new(&motion, field, bounds);
+        let state = SearchState { at: start, end, previous: None, stage: Stage::Outside };
+        Self { motion, sun, target, reach, state }
+    }
+
+    /// What to save, so that [`Self::resume`] goes on with the same bits.
+    #[must_use]
+    pub const fn state(&self) -> SearchState {
+        self.state
+    }
+
+    /// Goes on from a saved state of the same search.
+    pub fn resume(&mut self, state: SearchState) {
+        self.state = state;
+    }
+
+    /// No transit that is still to come from this channel begins before this instant.
+    #[must_use]
+    pub const fn frontier(&self) -> Option<Instant> {
+        match self.state.stage {
+            Stage::Outside => Some(self.state.at),
+            Stage::Inside(visit) => Some(visit.entry),
+            Stage::Found(transit) => Some(transit.entry),
+            Stage::Done => None,
+        }
+    }
+
+    /// Whether a whole transit waits to be taken.
+    pub(super) const fn has_found(&self) -> bool {
+        matches!(self.state.stage, Stage::Found(_))
+    }
+
+    /// Takes the transit that waits.
+    pub(super) fn take(&mut self) -> Option<Transit> {
+        let Stage::Found(transit) = self.state.stage else { return None };
+        self.state.stage = if transit.exit_clipped { Stage::Done } else { Stage::Outside };
+        Some(transit)
+    }
+
+    /// Searches on by one certified span: at most [`MAX_EVALUATIONS_PER_STEP`] evaluations.
+    pub(super) fn advance(&mut self) -> Result<(), EphemerisError> {
+        let at = self.state.at;
+        let sight = self.sight(at)?;
+        let (closeness, rate) = self.reach.closeness(&sight);
+        let now = Approach { at, closeness, rate };
+        match (self.state.stage, self.reach.inside(&sight)) {
+            (Stage::Outside, false) => {
+                if at >= self.state.end {
+                    self.state.stage = Stage::Done;
+                    return Ok(());
+                }
+                self.move_on(now, self.reach.stays_outside(&self.motion, &sight));
+            }
+            (Stage::Outside, true) => {
+                let entry = match self.state.previous {
+                    Some(before) => back(at, self.reach.since_entry(&sight), before.at),
+                    None => at,
+                };
+                let clipped = self.state.previous.is_none();
+                let best = Approach { at: entry, ..now };
+                self.go_on_inside(&sight, now, Visit { entry, clipped, best })?;
+            }
+            (Stage::Inside(visit), true) => self.go_on_inside(&sight, now, visit)?,
+            (Stage::Inside(visit), false) => {
+                let inside_until = self.state.previous.map_or(at, |before| before.at);
+                let exit = back(at, self.reach.since_exit(&sight), inside_until);
+                let best = self.closer(&sight, now, visit.best)?;
+                self.finish(visit, best, exit, false);
+                self.state.previous = Some(now);
+            }
+            (Stage::Found(_) | Stage::Done, _) => {}
+        }
+        Ok(())
+    }
+
+    fn sight(&self, at: Instant) -> Result<Sight, EphemerisError> {
+        Sight::new(&self.motion, &self.sun, self.target, at)
+    }
+
+    fn move_on(&mut self, now: Approach, seconds: f64) {
+        let whole_ns = Duration::from_seconds_floor(seconds).ns();
+        let next = now.at.plus(Duration::from_ns(if whole_ns < 1 { 1 } else { whole_ns }));
+        self.state.at = if next < self.state.end { next } else { self.state.end };
+        self.state.previous = Some(now);
+    }
+
+    fn go_on_inside(
+        &mut self,
+        sight: &Sight,
+        now: Approach,
+        mut visit: Visit,
+    ) -> Result<(), EphemerisError> {
+        visit.best = self.closer(sight, now, visit.best)?;
+        if now.closeness > visit.best.closeness {
+            visit.best = now;
+        }
+        if now.at >= self.state.end {
+            self.finish(visit, visit.best, now.at, true);
+        } else {
+            self.state.stage = Stage::Inside(visit);
+            self.move_on(now, self.reach.stays_inside(&self.motion, sight));
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, visit: Visit, best: Approach, exit: Instant, exit_clipped: bool) {
+        let last = if best.at < exit { best.at } else { exit };
+        self.state.stage = Stage::Found(Transit {
+            channel: 0,
+            entry: visit.entry,
+            exit,
+            closest: if last < visit.entry { visit.entry } else { last },
+            min_separation_rad: Reach::separation_rad(best.closeness),
+            entry_clipped: visit.clipped,
+            exit_clipped,
+        });
+    }
+
+    /// The closer of `best` and the closest approach between the previous evaluation and `now`.
+    fn closer(
+        &self,
+        sight: &Sight,
+        now: Approach,
+        best: Approach,
+    ) -> Result<Approach, EphemerisError> {
+        let Some(before) = self.state.previous else { return Ok(best) };
+        if !(before.rate > 0.0 && now.rate <= 0.0) {
+            return Ok(best);
+        }
+        let span = now.at.since(before.at).seconds();
+        let ceiling = libm::fmax(before.closeness, now.closeness)
+            + 0.125 * self.reach.closeness_curvature(&self.motion, sight) * span * span;
+        if ceiling <= best.closeness {
+            return Ok(best);
+        }
+        let summit = self.summit(before, now)?;
+        Ok(if summit.closeness > best.closeness { summit } else { best })
+    }
+
+    /// The maximum of closeness between two evaluations, by false position on its rate (Illinois).
+    fn summit(&self, before: Approach, after: Approach) -> Result<Approach, EphemerisError> {
+        let (mut low, mut high) = (before, after);
+        let mut best = if before.closeness > after.closeness { before } else { after };
+        let mut kept_low = 0_i8;
+        for _ in 0..REFINEMENTS {
+            let width = high.at.since(low.at).ns();
+            if width <= 1 {
+                break;
+            }
+            let share = low.rate / (low.rate - high.rate);
+            let offset = Duration::from_seconds(high.at.since(low.at).seconds() * share).ns();
+            let at = low.at.plus(Duration::from_ns(within(offset, width)));
+            let sight = self.sight(at)?;
+            let (closeness, rate) = self.reach.closeness(&sight);
+            let here = Approach { at, closeness, rate };
+            let moved = at.since(best.at).ns().saturating_abs();
+            if closeness >= best.closeness {
+                best = here;
+            }
+            if rate > 0.0 {
+                low = here;
+                if kept_low > 0 {
+                    high.rate *= 0.5;
+                }
+                kept_low = 1;
+            } else {
+                high = here;
+                if kept_low < 0 {
+                    low.rate *= 0.5;
+                }
+                kept_low = -1;
+            }
+            if moved <= 1 {
+                break;
+            }
+        }
+        Ok(best)
+    }
+}
+
+/// `offset` kept strictly inside (0, width).
+const fn within(offset: i64, width: i64) -> i64 {
+    let last = width.saturating_sub(1);
+    if offset < 1 {
+        1
+    } else if offset > last {
+        last
+    } else {
+        offset
+    }
+}
+
+/// `seconds` before `at`, but neither beyond the longest correction nor before `earliest`.
+fn back(at: Instant, seconds: f64, earliest: Instant) -> Instant {
+    if seconds > LONGEST_CORRECTION_S {
+        return at;
+    }
+    let corrected = at.plus(Duration::from_seconds(-seconds));
+    if corrected < earliest { earliest } else { corrected }
+}

@@ -1,0 +1,338 @@
+//! What the field of view can reach, and for how long it provably cannot.
+//!
+//! All answers are spans in seconds from the instant of a [`Sight`] during which no entry (or, when
+//! inside, no exit) can happen. Each bound holds for any motion within the tables' bounds.
+
+use super::SEPARATION_TOLERANCE_RAD;
+use super::sight::{Motion, Sight};
+use crate::field_of_view::{Caps, FieldOfView};
+use crate::sun::RelativeBounds;
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use nalgebra::Vector3;
+
+/// Slack in radians, or in a cosine, for rounding in the closed forms.
+const ROUNDING: f64 = 1e-12;
+/// Horizons tried by the precession gate, the longest first; each is an eighth of the one before.
+const HORIZONS: usize = 3;
+/// Margin in radians that the longest horizon may cost where the field of view is smaller.
+const LONGEST_MARGIN_RAD: f64 = 4e-3;
+/// Relative inflation of the bound on f'' for rounding.
+const CURVATURE_ROUNDING: f64 = 1.0 + 1e-9;
+
+/// A cap `e . w >= cos r`, with its tolerance.
+#[derive(Debug, Clone, Copy)]
+struct Cap {
+    axis: Vector3<f64>,
+    /// Sine of the axis' angle from the spin axis.
+    sin_beta: f64,
+    /// `1 - cos r`.
+    versine: f64,
+    /// Depth in f below which a crossing may go either way.
+    tolerance: f64,
+}
+
+/// The precession gate's margins for one horizon.
+#[derive(Debug, Clone, Copy)]
+struct Horizon {
+    seconds: f64,
+    /// Cosine of the annulus' far edge, widened.
+    cos_far: f64,
+    /// Cosine of its near edge, widened.
+    cos_near: f64,
+}
+
+/// One channel's field of view about the spin axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    centre: Vector3<f64>,
+    caps: [Cap; 4],
+    /// How many of the caps count.
+    circle: bool,
+    gamma_min: f64,
+    gamma_max: f64,
+    horizons: [Horizon; HORIZONS],
+    /// Half-width in azimuth about the spin axis; none where the field holds the axis.
+    half_width: Option<f64>,
+    bounds: RelativeBounds,
+    /// Longest certified step of the last kind, s.
+    longest_step: f64,
+    /// Largest rate of delta, rad/s.
+    delta_rate: f64,
+}
+
+impl Reach {
+    pub(super) fn new(motion: &Motion, field: &FieldOfView, bounds: RelativeBounds) -> Self {
+        let in_spin = |v: Vector3<f64>| motion.scan.boresight_in_spin().rotate(v);
+        let centre = in_spin(field.centre().vector());
+        let sin_beta = libm::hypot(centre.x, centre.y);
+        let beta = libm::atan2(sin_beta, centre.z);
+        let reach = field.reach_rad();
+        let alpha = motion.scan.parameters().alpha_rad;
+        let horizon = |seconds: f64| {
+            let margin = bounds.rate * seconds + ROUNDING;
+            let (near, far) = (beta - reach - margin, beta + reach + margin);
+            Horizon {
+                seconds,
+                cos_far: if far >= PI { -2.0 } else { libm::cos(far) - ROUNDING },
+                cos_near: if near <= 0.0 { 2.0 } else { libm::cos(near) + ROUNDING },
+            }
+        };
+        let widest = libm::fmax(reach, LONGEST_MARGIN_RAD);
+        let longest = libm::fmin(
+            TAU / libm::fabs(motion.precession),
+            libm::fmin(widest / bounds.rate, f64::MAX),
+        );
+        let circle_cap =
+            Cap { axis: centre, sin_beta, versine: versine(reach), tolerance: tolerance(reach) };
+        let side = |axis: &Vector3<f64>| {
+            let axis = in_spin(*axis);
+            Cap {
+                axis,
+                sin_beta: libm::hypot(axis.x, axis.y),
+                versine: 1.0,
+                tolerance: tolerance(FRAC_PI_2),
+            }
+        };
+        let (circle, caps) = match field.caps() {
+            Caps::Circle => (true, [circle_cap; 4]),
+            Caps::Rectangle([a, b, c, d]) => (false, [side(&a), side(&b), side(&c), side(&d)]),
+        };
+        let holds_axis = reach + ROUNDING >= beta || reach + ROUNDING >= PI - beta;
+        Self {
+            centre,
+            caps,
+            circle,
+            gamma_min: libm::fabs(alpha - beta) - reach - ROUNDING,
+            gamma_max: PI - libm::fabs(PI - alpha - beta) + reach + ROUNDING,
+            horizons: [horizon(longest), horizon(longest / 8.0), horizon(longest / 64.0)],
+            half_width: (!holds_axis)
+                .then(|| libm::asin(libm::fmin(libm::sin(reach) / sin_beta, 1.0)) + ROUNDING),
+            bounds,
+            longest_step: TAU / 16.0 / (libm::fabs(motion.precession) + libm::fabs(motion.spin)),
+            delta_rate: libm::fabs(motion.precession) * motion.sin_alpha + bounds.rate,
+        }
+    }
+
+    fn caps(&self) -> &[Cap] {
+        if self.circle { self.caps.first_chunk::<1>().map_or(&[], |one| one) } else { &self.caps }
+    }
+
+    /// Minus half the squared chord to the centre, and its derivative: largest when closest.
+    pub(super) fn closeness(&self, sight: &Sight) -> (f64, f64) {
+        closeness(&self.centre, sight)
+    }
+
+    /// Separation from the centre in radians for a closeness.
+    pub(super) fn separation_rad(closeness: f64) -> f64 {
+        2.0 * libm::asin(libm::fmin(libm::sqrt(libm::fmax(-0.5 * closeness, 0.0)), 1.0))
+    }
+
+    /// Largest second derivative of the closeness near the sight.
+    pub(super) fn closeness_curvature(&self, motion: &Motion, sight: &Sight) -> f64 {
+        self.curvature(motion, sight, libm::hypot(self.centre.x, self.centre.y))
+    }
+
+    /// Whether the target is inside.
+    pub(super) fn inside(&self, sight: &Sight) -> bool {
+        self.caps().iter().all(|cap| cap.depth(sight).0 >= 0.0)
+    }
+
+    /// Seconds back from a sight just inside to the entry, by one Newton step.
+    pub(super) fn since_entry(&self, sight: &Sight) -> f64 {
+        // The last cap to be entered is the one entered most recently.
+        self.caps().iter().map(|cap| cap.newton(sight, 1.0)).fold(f64::INFINITY, libm::fmin)
+    }
+
+    /// Seconds back from a sight just outside to the exit, by one Newton step.
+    pub(super) fn since_exit(&self, sight: &Sight) -> f64 {
+        let left = self.caps().iter().filter(|cap| cap.depth(sight).0 < 0.0);
+        left.map(|cap| cap.newton(sight, -1.0)).fold(0.0, libm::fmax)
+    }
+
+    /// Seconds without an exit, from a sight that is inside.
+    pub(super) fn stays_inside(&self, motion: &Motion, sight: &Sight) -> f64 {
+        let holds = |cap: &Cap| {
+            let (depth, rate) = cap.depth(sight);
+            crossing_free(
+                -libm::fmax(depth, 0.0),
+                -rate,
+                self.curvature(motion, sight, cap.sin_beta),
+                cap.tolerance,
+            )
+        };
+        self.caps().iter().map(holds).fold(self.longest_step, libm::fmin)
+    }
+
+    /// Seconds without an entry, from a sight that is outside.
+    pub(super) fn stays_outside(&self, motion: &Motion, sight: &Sight) -> f64 {
+        let gamma = libm::atan2(sight.sin_gamma, sight.cos_gamma);
+        let short = libm::fmax(self.gamma_min - gamma, gamma - self.gamma_max);
+        if short > 0.0 {
+            return short / self.bounds.rate;
+        }
+        // A gate alone would creep up to its edge in ever smaller steps: near it, the bound on f''
+        // takes over, since most passages of an edge are no transits.
+        let mut wait = 0.0;
+        for horizon in &self.horizons {
+            wait = precession_gate(motion, sight, horizon, 0.0);
+            if wait > 0.0 {
+                break;
+            }
+        }
+        if wait < self.longest_step {
+            wait = libm::fmax(wait, self.spin_gate(motion, sight));
+            if wait >= self.longest_step {
+                let [longest, ..] = &self.horizons;
+                wait = precession_gate(motion, sight, longest, wait);
+            }
+        }
+        if wait < self.longest_step {
+            wait = libm::fmax(wait, self.approach(motion, sight));
+        }
+        wait
+    }
+
+    /// Seconds until the field's azimuth about the spin axis can match the target's.
+    fn spin_gate(&self, motion: &Motion, sight: &Sight) -> f64 {
+        let Some(half_width) = self.half_width else { return 0.0 };
+        let (e, w) = (self.centre, sight.direction);
+        let azimuth = libm::atan2(e.x * w.y - e.y * w.x, e.x * w.x + e.y * w.y);
+        if libm::fabs(azimuth) <= half_width {
+            return 0.0;
+        }
+        // Over the horizon delta stays within half its distance from the nearer pole.
+        let delta = libm::atan2(sight.sin_delta, sight.cos_delta);
+        let pole = libm::fmin(delta, PI - delta);
+        let mean = motion.spin + motion.precession * motion.cos_alpha;
+        let horizon = libm::fmin(
+            TAU / (libm::fabs(motion.spin) + libm::fabs(motion.precession)),
+            0.5 * pole / self.delta_rate,
+        );
+        let closest_to_pole = pole - self.delta_rate * horizon;
+        let (sin, cos) = libm::sincos(closest_to_pole);
+        let spread = (libm::fabs(motion.precession) * motion.sin_alpha * libm::fabs(cos)
+            + self.bounds.rate)
+            / libm::fmax(sin, ROUNDING);
+        // azimuth' lies in -mean +- spread.
+        let ahead = if libm::fabs(mean) > spread {
+            let along = if mean < 0.0 { azimuth } else { -azimuth };
+            if along < 0.0 { -along - half_width } else { TAU - along - half_width }
+        } else {
+            libm::fabs(azimuth) - half_width
+        };
+        libm::fmin(ahead / (libm::fabs(mean) + spread), horizon)
+    }
+
+    /// Seconds without an entry by the bound on f''.
+    fn approach(&self, motion: &Motion, sight: &Sight) -> f64 {
+        let mut longest = 0.0;
+        for cap in self.caps() {
+            let (depth, rate) = cap.depth(sight);
+            if depth < 0.0 {
+                let curvature = self.curvature(motion, sight, cap.sin_beta);
+                longest = libm::fmax(longest, crossing_free(depth, rate, curvature, cap.tolerance));
+            }
+        }
+        libm::fmin(longest, self.longest_step)
+    }
+
+    /// Bound on |f''| for an axis at `sin_beta` from the spin axis, over the longest step.
+    ///
+    /// `n'' = w_a^2 z x (z x n) + 2 w_a w_b z x (s x n) + w_b^2 s x (s x n)`, projected on the target:
+    /// at most `w_a^2 sin gamma + 2 |w_a w_b| sin gamma sin beta + w_b^2 sin delta sin beta`; the
+    /// target's own motion adds `2 |n'| rate + acceleration`.
+    fn curvature(&self, motion: &Motion, sight: &Sight, sin_beta: f64) -> f64 {
+        let (a, b) = (libm::fabs(motion.precession), libm::fabs(motion.spin));
+        let sin_gamma = libm::fmin(sight.sin_gamma + self.bounds.rate * self.longest_step, 1.0);
+        let sin_delta = libm::fmin(sight.sin_delta + self.delta_rate * self.longest_step, 1.0);
+        let scan =
+            a * a * sin_gamma + 2.0 * a * b * sin_gamma * sin_beta + b * b * sin_delta * sin_beta;
+        let drift = 2.0 * (b * sin_beta + a) * self.bounds.rate + self.bounds.acceleration;
+        (scan + drift) * CURVATURE_ROUNDING
+    }
+}
+
+impl Cap {
+    /// f = cos(separation) - cos r, and its derivative.
+    fn depth(&self, sight: &Sight) -> (f64, f64) {
+        let (closeness, rate) = closeness(&self.axis, sight);
+        (self.versine + closeness, rate)
+    }
+
+    /// Seconds back to f = 0 where f' has the sign given; 0 or infinity where Newton cannot tell.
+    fn newton(&self, sight: &Sight, sense: f64) -> f64 {
+        let (depth, rate) = self.depth(sight);
+        if rate * sense > 0.0 {
+            libm::fmax(depth / rate, 0.0)
+        } else if sense > 0.0 {
+            f64::INFINITY
+        } else {
+            0.0
+        }
+    }
+}
+
+/// `e . w - 1` from the chord, so that small separations keep their digits, and its derivative.
+fn closeness(axis: &Vector3<f64>, sight: &Sight) -> (f64, f64) {
+    let chord = axis - sight.direction;
+    let squared = chord.x * chord.x + chord.y * chord.y + chord.z * chord.z;
+    let rate = chord.x * sight.rate.x + chord.y * sight.rate.y + chord.z * sight.rate.z;
+    (-0.5 * squared, rate)
+}
+
+/// `1 - cos r`.
+fn versine(radius: f64) -> f64 {
+    let sin = libm::sin(0.5 * radius);
+    2.0 * sin * sin
+}
+
+/// The separation tolerance expressed in f, with a floor for rounding.
+fn tolerance(radius: f64) -> f64 {
+    SEPARATION_TOLERANCE_RAD * libm::fabs(libm::sin(radius)) + 2e-15 * versine(radius)
+}
+
+/// Seconds h up to which `f + f' h + M h^2/2` stays below `tolerance`, for f <= 0.
+fn crossing_free(f: f64, rate: f64, curvature: f64, tolerance: f64) -> f64 {
+    let missing = tolerance - f;
+    let root = libm::sqrt(rate * rate + 2.0 * curvature * missing);
+    // Two forms of the same root, each without cancellation.
+    if rate >= 0.0 { 2.0 * missing / (rate + root) } else { (root - rate) / curvature }
+}
+
+/// Seconds, not less than `from`, until the target's angle from the spin axis can be within the
+/// field's annulus.
+///
+/// `cos delta = cos alpha cos gamma + sin alpha sin gamma cos x`, x the precession phase from the
+/// target's azimuth; gamma and the azimuth move by less than the horizon's margin.
+fn precession_gate(motion: &Motion, sight: &Sight, horizon: &Horizon, from: f64) -> f64 {
+    let mean = motion.cos_alpha * sight.cos_gamma;
+    let swing = motion.sin_alpha * sight.sin_gamma;
+    if from >= horizon.seconds {
+        return from;
+    }
+    if mean + swing < horizon.cos_far || mean - swing > horizon.cos_near {
+        return horizon.seconds;
+    }
+    if swing < ROUNDING {
+        return from;
+    }
+    let outer = libm::acos((horizon.cos_far - mean).max(-swing).min(swing) / swing);
+    let inner = libm::acos((horizon.cos_near - mean).max(-swing).min(swing) / swing);
+    let (east, north) = sight.precessed;
+    let turned = libm::fabs(motion.precession) * from;
+    let now = libm::atan2(libm::copysign(north, -north * motion.precession), east) + turned;
+    let x = now - TAU * libm::round(now / TAU);
+    let ahead = if x < -outer {
+        -outer - x
+    } else if x <= -inner {
+        0.0
+    } else if x < inner {
+        inner - x
+    } else if x <= outer {
+        0.0
+    } else {
+        TAU - outer - x
+    };
+    let wait = from + libm::fmax(ahead - ROUNDING, 0.0) / libm::fabs(motion.precession);
+    libm::fmin(wait, horizon.seconds)
+}

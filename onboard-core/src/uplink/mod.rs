@@ -1,0 +1,323 @@
+//! What the ground sends up: one container of checked tables.
+//!
+//! Layout, little-endian, no alignment; CRC is CRC-32 (ISO-HDLC, as in zlib).
+//!
+//! | bytes | field |
+//! |---|---|
+//! | 0..8 | magic `GYRFALCN` |
+//! | 8..10 | format version, u16 ([`VERSION`]) |
+//! | 10..12 | number of sections, u16, at most [`MAX_SECTIONS`] |
+//! | 12..16 | length of the container, u32 |
+//! | 16..20 | sequence number, u32, growing with every uplink |
+//! | 20..24 | CRC of the directory |
+//! | 24..32 | valid from, i64 ns of TAI |
+//! | 32..40 | valid until, i64 ns of TAI |
+//! | 40..56 | first 16 bytes of the resolved mission's SHA-256 |
+//! | 56..60 | zero |
+//! | 60..64 | CRC of bytes 0..60 |
+//! | 64.. | directory: kind u16, zero u16, offset u32, length u32, CRC u32 per section |
+//!
+//! Method: nothing is believed before its CRC matches; sections lie behind the directory without
+//! gaps, so every byte of the container is covered by a CRC.
+//!
+//! Limits: a CRC guards against damage, not against forgery.
+
+mod mission;
+mod plan;
+
+pub use mission::{MissionError, MissionTable, SunRecord, TelescopeRecord};
+pub use plan::{PlanError, PlanTable, SESSION_BYTES, SessionRecord};
+
+use crate::bytes::{field, i64_at, put, span, u16_at, u32_at};
+use crate::time::Instant;
+use crc::{CRC_32_ISO_HDLC, Crc};
+
+/// First bytes of every container.
+pub const MAGIC: [u8; 8] = *b"GYRFALCN";
+/// The format version that this crate reads and writes.
+pub const VERSION: u16 = 1;
+/// Bytes of the header.
+pub const HEADER_BYTES: usize = 64;
+/// Bytes of one directory entry.
+pub const ENTRY_BYTES: usize = 16;
+/// Most sections in a container.
+pub const MAX_SECTIONS: u16 = 8;
+
+const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// What a section holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SectionKind {
+    /// Direction tables: [`crate::ephemeris::EphemerisTable`].
+    Ephemeris,
+    /// Scanning strategy, Sun model and telescopes: [`MissionTable`].
+    Mission,
+    /// Calibration sessions: [`PlanTable`].
+    Plan,
+}
+
+impl SectionKind {
+    /// The number that stands for the kind in a directory.
+    #[must_use]
+    pub const fn number(self) -> u16 {
+        match self {
+            Self::Ephemeris => 1,
+            Self::Mission => 2,
+            Self::Plan => 3,
+        }
+    }
+}
+
+/// Why a container is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UplinkError {
+    /// Shorter than a header, or than the length in it (the bytes needed).
+    Truncated(u32),
+    /// The first bytes are not the magic.
+    NotAContainer,
+    /// Another format version (the one found).
+    Version(u16),
+    /// The header's CRC does not match.
+    HeaderCrc,
+    /// The directory's CRC does not match.
+    DirectoryCrc,
+    /// The directory's counts, offsets or lengths contradict each other.
+    BadDirectory,
+    /// Bytes follow the container's end.
+    TooLong,
+    /// A section's CRC does not match (its kind's number).
+    SectionCrc(u16),
+    /// The section is not there.
+    NoSuchSection(SectionKind),
+}
+
+/// What a container says about itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Header {
+    /// Grows with every uplink.
+    pub sequence: u32,
+    /// First instant that the tables serve.
+    pub valid_from: Instant,
+    /// Last instant that the tables serve.
+    pub valid_until: Instant,
+    /// First 16 bytes of the resolved mission's SHA-256.
+    pub mission_digest: [u8; 16],
+}
+
+/// A checked container in borrowed bytes.
+#[derive(Debug, Clone, Copy)]
+pub struct Container<'a> {
+    bytes: &'a [u8],
+    directory: &'a [[u8; ENTRY_BYTES]],
+    header: Header,
+}
+
+/// CRC-32 of bytes, as the container uses it.
+#[must_use]
+pub fn checksum(bytes: &[u8]) -> u32 {
+    CHECKSUM.checksum(bytes)
+}
+
+impl Header {
+    /// The header's bytes for a container of `length` bytes with this directory.
+    #[must_use]
+    pub fn to_le_bytes(
+        &self,
+        length: u32,
+        sections: u16,
+        directory_crc: u32,
+    ) -> [u8; HEADER_BYTES] {
+        let mut bytes = [0; HEADER_BYTES];
+        put(&mut bytes, 0, MAGIC);
+        put(&mut bytes, 8, VERSION.to_le_bytes());
+        put(&mut bytes, 10, sections.to_le_bytes());
+        put(&mut bytes, 12, length.to_le_bytes());
+        put(&mut bytes, 16, self.sequence.to_le_bytes());
+        put(&mut bytes, 20, directory_crc.to_le_bytes());
+        put(&mut bytes, 24, self.valid_from.tai_ns().to_le_bytes());
+        put(&mut bytes, 32, self.valid_until.tai_ns().to_le_bytes());
+        put(&mut bytes, 40, self.mission_digest);
+        let crc = bytes.first_chunk::<60>().map_or(0, |covered| checksum(covered));
+        put(&mut bytes, 60, crc.to_le_bytes());
+        bytes
+    }
+}
+
+/// The bytes of one directory entry.
+#[must_use]
+pub fn entry_to_le_bytes(
+    kind: SectionKind,
+    offset: u32,
+    length: u32,
+    crc: u32,
+) -> [u8; ENTRY_BYTES] {
+    let mut bytes = [0; ENTRY_BYTES];
+    put(&mut bytes, 0, kind.number().to_le_bytes());
+    put(&mut bytes, 4, offset.to_le_bytes());
+    put(&mut bytes, 8, length.to_le_bytes());
+    put(&mut bytes, 12, crc.to_le_bytes());
+    bytes
+}
+
+impl<'a> Container<'a> {
+    /// Checks a container and every section's CRC.
+    ///
+    /// # Errors
+    /// [`UplinkError`], the first thing found wrong.
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, UplinkError> {
+        let short = UplinkError::Truncated(64);
+        let (header, rest) = bytes.split_first_chunk::<HEADER_BYTES>().ok_or(short)?;
+        let covered = header.first_chunk::<60>().ok_or(short)?;
+        if field(header, 0) != Some(MAGIC) {
+            return Err(UplinkError::NotAContainer);
+        }
+        let version = u16_at(header, 8).ok_or(short)?;
+        if version != VERSION {
+            return Err(UplinkError::Version(version));
+        }
+        if u32_at(header, 60) != Some(checksum(covered)) {
+            return Err(UplinkError::HeaderCrc);
+        }
+        let length = u32_at(header, 12).ok_or(short)?;
+        match usize::try_from(length) {
+            Ok(length) if length == bytes.len() => {}
+            Ok(length) if length < bytes.len() => return Err(UplinkError::TooLong),
+            _ => return Err(UplinkError::Truncated(length)),
+        }
+        let sections = u16_at(header, 10).ok_or(short)?;
+        let directory_bytes = usize::from(sections).wrapping_mul(ENTRY_BYTES);
+        let directory = match rest.get(..directory_bytes) {
+            Some(directory) if sections <= MAX_SECTIONS => directory,
+            _ => return Err(UplinkError::BadDirectory),
+        };
+        if u32_at(header, 20) != Some(checksum(directory)) {
+            return Err(UplinkError::DirectoryCrc);
+        }
+        let container = Self {
+            bytes,
+            directory: directory.as_chunks::<ENTRY_BYTES>().0,
+            header: Header {
+                sequence: u32_at(header, 16).ok_or(short)?,
+                valid_from: Instant::from_tai_ns(i64_at(header, 24).ok_or(short)?),
+                valid_until: Instant::from_tai_ns(i64_at(header, 32).ok_or(short)?),
+                mission_digest: field(header, 40).ok_or(short)?,
+            },
+        };
+        container.check_sections(length)?;
+        Ok(container)
+    }
+
+    /// Sections follow one another from the directory's end to the container's, each with its CRC.
+    fn check_sections(&self, length: u32) -> Result<(), UplinkError> {
+        let bad = UplinkError::BadDirectory;
+        let entries = u32::try_from(self.directory.len()).map_err(|_| bad)?;
+        let mut expected = entries.wrapping_mul(16).wrapping_add(64);
+        let mut kinds_before: &[[u8; ENTRY_BYTES]] = &[];
+        for (index, entry) in self.directory.iter().enumerate() {
+            let (kind, offset, size, crc) = read_entry(entry).ok_or(bad)?;
+            let twice = kinds_before.iter().any(|other| u16_at(other, 0) == Some(kind));
+            if offset != expected || twice {
+                return Err(bad);
+            }
+            let section = span(self.bytes, offset, size).ok_or(bad)?;
+            if checksum(section) != crc {
+                return Err(UplinkError::SectionCrc(kind));
+            }
+            expected = expected.checked_add(size).ok_or(bad)?;
+            kinds_before = self.directory.get(..=index).unwrap_or(&[]);
+        }
+        if expected == length && self.header.valid_from <= self.header.valid_until {
+            Ok(())
+        } else {
+            Err(bad)
+        }
+    }
+
+    /// What the container says about itself.
+    #[must_use]
+    pub const fn header(&self) -> Header {
+        self.header
+    }
+
+    /// The bytes of a section.
+    ///
+    /// # Errors
+    /// [`UplinkError::NoSuchSection`].
+    pub fn section(&self, kind: SectionKind) -> Result<&'a [u8], UplinkError> {
+        self.directory
+            .iter()
+            .filter_map(read_entry)
+            .find(|(number, ..)| *number == kind.number())
+            .and_then(|(_, offset, length, _)| span(self.bytes, offset, length))
+            .ok_or(UplinkError::NoSuchSection(kind))
+    }
+}
+
+/// Kind, offset, length and CRC of a directory entry; `None` when its spare bytes are not zero.
+fn read_entry(entry: &[u8; ENTRY_BYTES]) -> Option<(u16, u32, u32, u32)> {
+    let spare = u16_at(entry, 2)?;
+    let fields = (u16_at(entry, 0)?, u32_at(entry, 4)?, u32_at(entry, 8)?, u32_at(entry, 12)?);
+    (spare == 0).then_some(fields)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    const HEADER: Header = Header {
+        sequence: 7,
+        valid_from: Instant::from_tai_ns(-5),
+        valid_until: Instant::from_tai_ns(900),
+        mission_digest: [9; 16],
+    };
+
+    fn container() -> Vec<u8> {
+        let (plan, mission) = ([1_u8, 2, 3].as_slice(), [4_u8, 5].as_slice());
+        let mut directory = Vec::new();
+        directory.extend(entry_to_le_bytes(SectionKind::Plan, 96, 3, checksum(plan)));
+        directory.extend(entry_to_le_bytes(SectionKind::Mission, 99, 2, checksum(mission)));
+        let mut bytes = HEADER.to_le_bytes(101, 2, checksum(&directory)).to_vec();
+        bytes.extend(directory);
+        bytes.extend(plan);
+        bytes.extend(mission);
+        bytes
+    }
+
+    #[test]
+    fn a_container_comes_back() {
+        let bytes = container();
+        let container = Container::parse(&bytes).unwrap();
+        assert_eq!(container.header(), HEADER);
+        assert_eq!(container.section(SectionKind::Plan).unwrap(), [1, 2, 3]);
+        assert_eq!(container.section(SectionKind::Mission).unwrap(), [4, 5]);
+        assert_eq!(
+            container.section(SectionKind::Ephemeris).unwrap_err(),
+            UplinkError::NoSuchSection(SectionKind::Ephemeris)
+        );
+    }
+
+    #[test]
+    fn every_flipped_bit_and_every_cut_is_refused() {
+        let good = container();
+        for length in 0..good.len() {
+            assert!(Container::parse(&good[..length]).is_err());
+        }
+        for bit in 0..good.len() * 8 {
+            let mut bad = good.clone();
+            bad[bit / 8] ^= 1 << (bit % 8);
+            assert!(Container::parse(&bad).is_err(), "bit {bit}");
+        }
+        let mut long = good;
+        long.push(0);
+        assert_eq!(Container::parse(&long).unwrap_err(), UplinkError::TooLong);
+    }
+
+    #[test]
+    fn an_older_version_is_named() {
+        let mut bytes = container();
+        bytes[8] = 0;
+        assert_eq!(Container::parse(&bytes).unwrap_err(), UplinkError::Version(0));
+    }
+}

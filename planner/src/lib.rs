@@ -1,0 +1,9 @@
+//! The ground's planner: what a scanning strategy demands of the hardware, which calibration
+//! opportunities it offers, and which of them to take.
+//!
+//! Modules stand in the order that data flows. All angles are radians, rates radians per second or
+//! hertz, times nanoseconds of TAI; degrees, minutes and rpm belong to files and reports.
+
+pub mod constraints;
+pub mod opportunity;
+pub mod schedule;

@@ -1,0 +1,259 @@
+//! Which chances to calibrate does a mission offer.
+//!
+//! A [`Pass`] is one transit of a target through a detector or a telescope's field of view. An
+//! [`Opportunity`] is all passes of one target over one telescope in one precession turn, the turn
+//! counted in completed turns since the mission's start at the pass's entry.
+//!
+//! Method: one sort by target, telescope, turn and entry; the dwell of a telescope is the length of
+//! the union of its passes, so that detectors seeing the target together count once. Integers only.
+//!
+//! Limits: a pass belongs to the turn of its entry. Where passes of two turns overlap in time (two
+//! detectors at the change of turn) each of the two opportunities holds its own dwell.
+
+use onboard_core::scan::ScanStrategy;
+use onboard_core::time::{Duration, Instant};
+use std::ops::Range;
+use thiserror::Error;
+
+/// One transit of a target over a detector, or over the field of view of a telescope.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pass {
+    /// Index of the target.
+    pub target: usize,
+    /// Index of the telescope.
+    pub telescope: usize,
+    /// Index of the detector on its telescope; 0 for a field of view.
+    pub detector: usize,
+    /// First instant inside.
+    pub entry: Instant,
+    /// Last instant inside.
+    pub exit: Instant,
+    /// Closest approach.
+    pub closest: Instant,
+    /// The target was inside already at the mission's start.
+    pub entry_clipped: bool,
+    /// The target was still inside at the mission's end.
+    pub exit_clipped: bool,
+}
+
+/// All passes of one target over one telescope in one precession turn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Opportunity {
+    /// Index of the target.
+    pub target: usize,
+    /// Index of the telescope.
+    pub telescope: usize,
+    /// Completed precession turns since the mission's start.
+    pub turn: u64,
+    /// Entry of the earliest pass.
+    pub first_entry: Instant,
+    /// Latest exit of any pass.
+    pub last_exit: Instant,
+    /// Time with the target inside any detector.
+    pub dwell: Duration,
+    /// Where its passes stand in [`Opportunities::passes`].
+    members: Range<usize>,
+}
+
+/// The opportunities of a mission, by first entry, then target, then telescope.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Opportunities {
+    list: Vec<Opportunity>,
+    order: Vec<usize>,
+}
+
+/// Why passes cannot be grouped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum OpportunityError {
+    /// A pass ends before it begins.
+    #[error("pass {index} ends at {exit_tai_ns} ns TAI, before its entry at {entry_tai_ns} ns TAI")]
+    Reversed {
+        /// Index of the pass.
+        index: usize,
+        /// Its entry.
+        entry_tai_ns: i64,
+        /// Its exit.
+        exit_tai_ns: i64,
+    },
+    /// A pass begins before the mission, where turns are not counted.
+    #[error(
+        "pass {index} begins at {entry_tai_ns} ns TAI, before the mission's start at \
+         {start_tai_ns} ns TAI"
+    )]
+    BeforeStart {
+        /// Index of the pass.
+        index: usize,
+        /// Its entry.
+        entry_tai_ns: i64,
+        /// Start of the mission.
+        start_tai_ns: i64,
+    },
+}
+
+impl Opportunities {
+    /// Groups passes, given in any order.
+    ///
+    /// # Errors
+    /// [`OpportunityError`] names the pass that cannot be placed.
+    pub fn group(passes: &[Pass], scan: &ScanStrategy) -> Result<Self, OpportunityError> {
+        let start = scan.parameters().start;
+        let mut keys = Vec::with_capacity(passes.len());
+        for (index, pass) in passes.iter().enumerate() {
+            if pass.exit < pass.entry {
+                return Err(OpportunityError::Reversed {
+                    index,
+                    entry_tai_ns: pass.entry.tai_ns(),
+                    exit_tai_ns: pass.exit.tai_ns(),
+                });
+            }
+            if pass.entry < start {
+                return Err(OpportunityError::BeforeStart {
+                    index,
+                    entry_tai_ns: pass.entry.tai_ns(),
+                    start_tai_ns: start.tai_ns(),
+                });
+            }
+            let (turn, _) = scan.turns(pass.entry);
+            keys.push((pass.target, pass.telescope, turn, pass.entry, pass.detector, index));
+        }
+        keys.sort_unstable();
+        let order: Vec<usize> = keys.iter().map(|key| key.5).collect();
+        let mut list = Vec::new();
+        let mut first = 0;
+        for group in keys.chunk_by(|a, b| (a.0, a.1, a.2) == (b.0, b.1, b.2)) {
+            let members = first..first + group.len();
+            first = members.end;
+            let times = order[members.clone()].iter().map(|&index| &passes[index]);
+            let (target, telescope, turn, first_entry, ..) = group[0];
+            let (dwell, last_exit) = union(first_entry, times);
+            list.push(Opportunity {
+                target,
+                telescope,
+                turn,
+                first_entry,
+                last_exit,
+                dwell,
+                members,
+            });
+        }
+        list.sort_unstable_by_key(|it: &Opportunity| (it.first_entry, it.target, it.telescope));
+        Ok(Self { list, order })
+    }
+
+    /// The opportunities, by first entry, then target, then telescope.
+    #[must_use]
+    pub fn list(&self) -> &[Opportunity] {
+        &self.list
+    }
+
+    /// Indices of an opportunity's passes in the slice that was grouped, by entry, then detector.
+    #[must_use]
+    pub fn passes(&self, opportunity: &Opportunity) -> &[usize] {
+        &self.order[opportunity.members.clone()]
+    }
+}
+
+/// Length of the union of intervals that come ordered by entry, and the latest exit.
+fn union<'a>(first: Instant, passes: impl Iterator<Item = &'a Pass>) -> (Duration, Instant) {
+    let (mut covered_to, mut dwell_ns) = (first, 0_i64);
+    for pass in passes {
+        let fresh = pass.entry.max(covered_to);
+        if pass.exit > fresh {
+            dwell_ns = dwell_ns.saturating_add(pass.exit.since(fresh).ns());
+            covered_to = pass.exit;
+        }
+    }
+    (Duration::from_ns(dwell_ns), covered_to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use onboard_core::phase::{Phase, Rotor, TurnRate};
+    use onboard_core::scan::ScanParameters;
+
+    const TURN_NS: i64 = 1 << 40;
+
+    fn scan(start: i64) -> ScanStrategy {
+        let rotor =
+            |bits| Rotor { rate: TurnRate::from_bits(1_u128 << bits), start: Phase::from_bits(7) };
+        ScanStrategy::new(ScanParameters {
+            start: Instant::from_tai_ns(start),
+            alpha_rad: 0.7,
+            beta_rad: 0.8,
+            precession: rotor(128 - 40),
+            spin: rotor(128 - 37),
+        })
+        .unwrap()
+    }
+
+    fn pass(target: usize, telescope: usize, detector: usize, (entry, exit): (i64, i64)) -> Pass {
+        Pass {
+            target,
+            telescope,
+            detector,
+            entry: Instant::from_tai_ns(entry),
+            exit: Instant::from_tai_ns(exit),
+            closest: Instant::from_tai_ns(entry),
+            entry_clipped: false,
+            exit_clipped: false,
+        }
+    }
+
+    #[test]
+    fn passes_group_by_target_telescope_and_turn() {
+        let passes = [
+            pass(1, 0, 0, (TURN_NS - 5, TURN_NS + 5)),
+            pass(0, 0, 0, (TURN_NS, TURN_NS + 3)),
+            pass(1, 0, 0, (10, 20)),
+            pass(1, 1, 0, (10, 20)),
+            pass(1, 0, 0, (TURN_NS, TURN_NS + 9)),
+        ];
+        let found = Opportunities::group(&passes, &scan(0)).unwrap();
+        let seen: Vec<_> = found
+            .list()
+            .iter()
+            .map(|o| (o.target, o.telescope, o.turn, o.dwell.ns(), found.passes(o).to_vec()))
+            .collect();
+        assert_eq!(
+            seen,
+            [
+                (1, 0, 0, 20, vec![2, 0]),
+                (1, 1, 0, 10, vec![3]),
+                (0, 0, 1, 3, vec![1]),
+                (1, 0, 1, 9, vec![4]),
+            ]
+        );
+        assert_eq!(found.list()[0].last_exit.tai_ns(), TURN_NS + 5);
+    }
+
+    #[test]
+    fn detectors_that_see_the_target_together_count_once() {
+        // Overlapping, contained, touching, apart, and of no length.
+        let times = [(10, 30), (20, 40), (22, 25), (40, 50), (60, 70), (65, 65)];
+        let passes: Vec<_> =
+            times.iter().enumerate().map(|(detector, &time)| pass(0, 0, detector, time)).collect();
+        let found = Opportunities::group(&passes, &scan(0)).unwrap();
+        assert_eq!(found.list().len(), 1);
+        assert_eq!(found.list()[0].dwell.ns(), 50);
+        assert_eq!(found.list()[0].last_exit.tai_ns(), 70);
+    }
+
+    #[test]
+    fn turns_count_from_the_start_and_not_from_the_phase() {
+        let found = Opportunities::group(
+            &[pass(0, 0, 0, (1_000 + TURN_NS, 2_000 + TURN_NS))],
+            &scan(1_001),
+        );
+        assert_eq!(found.unwrap().list()[0].turn, 0);
+    }
+
+    #[test]
+    fn impossible_passes_are_named() {
+        let reversed = Opportunities::group(&[pass(0, 0, 0, (20, 10))], &scan(0));
+        assert!(matches!(reversed, Err(OpportunityError::Reversed { index: 0, .. })));
+        let early = Opportunities::group(&[pass(0, 0, 0, (-20, 10))], &scan(0));
+        assert!(matches!(early, Err(OpportunityError::BeforeStart { index: 0, .. })));
+        assert!(Opportunities::group(&[], &scan(0)).unwrap().list().is_empty());
+    }
+}

@@ -1,0 +1,324 @@
+//! Which opportunities to take, and how much better could any other choice be.
+//!
+//! A candidate is taken or not. A taken one is a **session**: it reserves the half-open interval
+//! from its first entry less the setup to its last exit plus the cooldown. The objective is the sum
+//! of weight times dwell in seconds; [`Rules`] say which sessions may stand together.
+//!
+//! Method: candidates that no schedule can hold are set aside (`model.rs`). Prices for the rules
+//! come from the linear relaxation (`relaxation.rs`, Clarabel). From them follow an upper bound on
+//! every schedule (`bound.rs`) and a first schedule that exact searches over a day at a time improve
+//! (`draft.rs`, `improve.rs`, `search.rs`). The result is checked by `check.rs`, which
+//! shares no code with the rest, and each candidate left out gets the rule that excludes it
+//! (`explain.rs`). All arithmetic on time is in integer nanoseconds, on value in integers.
+//!
+//! Limits: effort is bounded by counts of work, never by a clock, so equal input gives equal
+//! output. The schedule need not be the best one; the bound holds for any prices, whatever the
+//! solver did. Gaps reached are stated and held by `tests/schedule.rs`.
+
+mod bound;
+mod check;
+mod draft;
+mod explain;
+mod fill;
+mod improve;
+mod model;
+mod number;
+mod price;
+mod relaxation;
+mod search;
+
+pub use check::{Violation, check};
+pub use explain::{Because, ConstraintUse, Rejection, Rule};
+
+use model::Model;
+use onboard_core::time::{Duration, Instant};
+use std::fmt;
+use thiserror::Error;
+
+/// Most candidates in one problem.
+pub const MAX_CANDIDATES: usize = 1 << 21;
+
+/// One opportunity, as far as scheduling is concerned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Candidate {
+    /// Index of the target, into [`Problem::weights`].
+    pub target: usize,
+    /// Index of the telescope.
+    pub telescope: usize,
+    /// First entry of its passes.
+    pub first_entry: Instant,
+    /// Last exit of its passes.
+    pub last_exit: Instant,
+    /// Time with the target in view.
+    pub dwell: Duration,
+}
+
+/// Which sessions must not overlap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exclusive {
+    /// Any may.
+    None,
+    /// No two on one telescope.
+    Telescope,
+    /// No two at all.
+    All,
+}
+
+/// At most `count` sessions start in any half-open window of length `window`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SessionCount {
+    /// Most sessions.
+    pub count: u32,
+    /// Length of the sliding window, positive.
+    pub window: Duration,
+}
+
+/// What a schedule must respect.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rules {
+    /// Reserved before the first entry.
+    pub setup: Duration,
+    /// Reserved after the last exit.
+    pub cooldown: Duration,
+    /// Overlap of reserved intervals; intervals that touch do not overlap.
+    pub exclusive: Exclusive,
+    /// Most reserved time of all sessions together in each day; each day counts its own part.
+    pub max_per_day: Option<Duration>,
+    /// Most sessions per sliding window, by the start of the reserved interval.
+    pub max_sessions: Option<SessionCount>,
+    /// UTC midnights, ascending, from the mission's start or before to its end or after. Needed with
+    /// `max_per_day`; days may differ in length.
+    pub day_boundaries: Vec<Instant>,
+}
+
+/// A scheduling problem.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// Start and end of the mission; every reserved interval lies within.
+    pub span: (Instant, Instant),
+    /// The candidates.
+    pub candidates: Vec<Candidate>,
+    /// Weight of each target, finite and not negative.
+    pub weights: Vec<f64>,
+    /// The rules.
+    pub rules: Rules,
+}
+
+/// Why the search for a better schedule ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stopped {
+    /// The schedule reaches the bound: no other is better.
+    Optimal,
+    /// No exchange within a few days improves the schedule.
+    LocalOptimum,
+    /// The limit on the work was reached.
+    WorkLimit,
+    /// The relaxation could not be solved: the bound is the one without prices.
+    NoRelaxation,
+}
+
+impl fmt::Display for Stopped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Optimal => "optimal: no schedule is better",
+            Self::LocalOptimum => "no exchange within a few days improves the schedule",
+            Self::WorkLimit => "the limit on the search's work was reached",
+            Self::NoRelaxation => "the relaxation could not be solved, so the bound is a loose one",
+        })
+    }
+}
+
+/// A schedule, and how good it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Schedule {
+    /// Indices of the taken candidates, by the start of their sessions.
+    pub chosen: Vec<usize>,
+    /// Sum of weight times dwell in seconds.
+    pub objective: f64,
+    /// No schedule has a larger objective.
+    pub upper_bound: f64,
+    /// `(upper_bound - objective) / upper_bound`, 0 where the bound is 0.
+    pub gap: f64,
+    /// Why the search ended.
+    pub stopped: Stopped,
+    /// Every candidate that was not taken, by index.
+    pub rejected: Vec<Rejection>,
+    /// How far the rules are used.
+    pub constraints: Vec<ConstraintUse>,
+}
+
+/// Why a problem has no schedule.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum ScheduleError {
+    /// A weight is not a number to optimise with.
+    #[error("the weight of target {target} is {weight}, but must be finite and not negative")]
+    Weight {
+        /// Index of the target.
+        target: usize,
+        /// Its weight.
+        weight: f64,
+    },
+    /// Weight times dwell is beyond the range of numbers.
+    #[error("candidate {candidate}: weight times dwell exceeds the largest number")]
+    Value {
+        /// Index of the candidate.
+        candidate: usize,
+    },
+    /// A candidate's target has no weight.
+    #[error("candidate {candidate} has target {target}, but only {targets} targets have weights")]
+    Target {
+        /// Index of the candidate.
+        candidate: usize,
+        /// Its target.
+        target: usize,
+        /// Number of weights.
+        targets: usize,
+    },
+    /// A candidate's times are impossible.
+    #[error(
+        "candidate {candidate} lasts {length_ns} ns and dwells {dwell_ns} ns, but the dwell must lie \
+         from zero to the length"
+    )]
+    Dwell {
+        /// Index of the candidate.
+        candidate: usize,
+        /// Last exit less first entry.
+        length_ns: i64,
+        /// Its dwell.
+        dwell_ns: i64,
+    },
+    /// A rule's duration is out of range.
+    #[error("{name} is {ns} ns, but must {must}")]
+    Duration {
+        /// Which duration.
+        name: &'static str,
+        /// Its value.
+        ns: i64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// The mission ends before it starts.
+    #[error("the mission ends {0} ns before it starts")]
+    Span(i64),
+    /// Day boundaries are out of order.
+    #[error("day boundary {0} is not after the one before it")]
+    DayOrder(usize),
+    /// Day boundaries do not cover the mission.
+    #[error("minutes per day are limited, but the day boundaries do not cover the mission")]
+    DayCover,
+    /// More candidates than [`MAX_CANDIDATES`].
+    #[error("there are {0} candidates, but at most {MAX_CANDIDATES} can be scheduled")]
+    TooMany(usize),
+    /// The program's own schedule broke a rule.
+    #[error("internal: the schedule found breaks a rule: {0}")]
+    Unsound(Violation),
+}
+
+impl Problem {
+    /// The interval that a candidate's session reserves, half-open.
+    #[must_use]
+    pub fn reserved(&self, candidate: usize) -> (Instant, Instant) {
+        let it = &self.candidates[candidate];
+        let setup = Duration::from_ns(self.rules.setup.ns().saturating_neg());
+        (it.first_entry.plus(setup), it.last_exit.plus(self.rules.cooldown))
+    }
+
+    /// What taking a candidate adds to the objective.
+    #[must_use]
+    pub fn value(&self, candidate: usize) -> f64 {
+        let it = &self.candidates[candidate];
+        self.weights[it.target] * it.dwell.seconds()
+    }
+
+    fn validate(&self) -> Result<(), ScheduleError> {
+        let rules = &self.rules;
+        let at_least = |name, ns, least: i64, must| {
+            if ns < least { Err(ScheduleError::Duration { name, ns, must }) } else { Ok(()) }
+        };
+        at_least("the setup", rules.setup.ns(), 0, "not be negative")?;
+        at_least("the cooldown", rules.cooldown.ns(), 0, "not be negative")?;
+        if let Some(limit) = rules.max_per_day {
+            at_least("the reserved time per day", limit.ns(), 0, "not be negative")?;
+        }
+        if let Some(sessions) = rules.max_sessions {
+            at_least("the window of max_sessions", sessions.window.ns(), 1, "be positive")?;
+        }
+        let (start, end) = self.span;
+        if end < start {
+            return Err(ScheduleError::Span(start.since(end).ns()));
+        }
+        if let Some(at) = rules.day_boundaries.windows(2).position(|pair| pair[1] <= pair[0]) {
+            return Err(ScheduleError::DayOrder(at + 1));
+        }
+        if rules.max_per_day.is_some() {
+            let covered = rules.day_boundaries.first().is_some_and(|first| *first <= start)
+                && rules.day_boundaries.last().is_some_and(|last| *last >= end);
+            if !covered {
+                return Err(ScheduleError::DayCover);
+            }
+        }
+        for (target, &weight) in self.weights.iter().enumerate() {
+            if !(weight.is_finite() && weight >= 0.0) {
+                return Err(ScheduleError::Weight { target, weight });
+            }
+        }
+        if self.candidates.len() > MAX_CANDIDATES {
+            return Err(ScheduleError::TooMany(self.candidates.len()));
+        }
+        self.validate_candidates()
+    }
+
+    fn validate_candidates(&self) -> Result<(), ScheduleError> {
+        for (candidate, it) in self.candidates.iter().enumerate() {
+            let targets = self.weights.len();
+            if it.target >= targets {
+                return Err(ScheduleError::Target { candidate, target: it.target, targets });
+            }
+            let length_ns = it.last_exit.since(it.first_entry).ns();
+            let dwell_ns = it.dwell.ns();
+            if dwell_ns < 0 || dwell_ns > length_ns {
+                return Err(ScheduleError::Dwell { candidate, length_ns, dwell_ns });
+            }
+            if !self.value(candidate).is_finite() {
+                return Err(ScheduleError::Value { candidate });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Finds a good schedule and a bound on all schedules.
+///
+/// # Errors
+/// [`ScheduleError`] when the problem is not well posed.
+pub fn schedule(problem: &Problem) -> Result<Schedule, ScheduleError> {
+    problem.validate()?;
+    let (model, mut reasons) = Model::new(problem);
+    let relaxed = relaxation::solve(&model);
+    let mut draft = improve::round(&model, &relaxed);
+    let mut bound = bound::priced(&model, &relaxed.prices);
+    if i128::from(draft.value()) < bound {
+        bound = bound.min(bound::searched(&model, &relaxed.prices));
+    }
+    let ended = improve::improve(&mut draft, &model, &relaxed.prices, bound);
+    improve::complete(&mut draft, &model);
+    let chosen: Vec<usize> = draft.chosen().map(|id| model.sessions[id].candidate).collect();
+    check(problem, &chosen).map_err(ScheduleError::Unsound)?;
+    explain::left_out(&model, &draft, &mut reasons);
+    let objective: f64 = chosen.iter().map(|&candidate| problem.value(candidate)).sum();
+    let upper_bound = model.value_from_units(bound).max(objective);
+    let stopped = match ended {
+        Stopped::Optimal => Stopped::Optimal,
+        _ if !relaxed.solved => Stopped::NoRelaxation,
+        other => other,
+    };
+    Ok(Schedule {
+        chosen,
+        objective,
+        upper_bound,
+        gap: if upper_bound > 0.0 { (upper_bound - objective) / upper_bound } else { 0.0 },
+        stopped,
+        rejected: explain::rejections(reasons),
+        constraints: explain::usage(&model, &draft, &relaxed.prices),
+    })
+}

@@ -1,0 +1,167 @@
+//! What the cross-crate tests share: exact strategies from plain numbers, and small tables.
+
+use onboard_core::direction::MotionBounds;
+use onboard_core::ephemeris::Span;
+use onboard_core::phase::{Phase, Rotor, TurnRate};
+use onboard_core::scan::{ScanParameters, ScanStrategy};
+use onboard_core::time::Instant;
+use std::num::NonZeroU64;
+
+/// The rate of one turn in `period_ns`, rounded to the nearest 2^-128 turn/ns.
+#[must_use]
+pub fn turn_rate(period_ns: u64, sign: i8) -> TurnRate {
+    let period = u128::from(period_ns);
+    let (quotient, rest) = (u128::MAX / period, u128::MAX % period + 1);
+    let rate = TurnRate::from_bits(quotient + u128::from(rest * 2 >= period));
+    if sign < 0 { rate.reversed() } else { rate }
+}
+
+/// A scanning strategy in plain numbers: angles in degrees, periods in ns, start at instant 0.
+#[derive(Debug, Clone, Copy)]
+pub struct Plain {
+    /// Anti-Sun axis to spin axis, degrees.
+    pub alpha_deg: f64,
+    /// Spin axis to boresight, degrees.
+    pub beta_deg: f64,
+    /// Precession period, ns.
+    pub precession_ns: u64,
+    /// Spin period, ns.
+    pub spin_ns: u64,
+    /// Senses of precession and spin.
+    pub signs: (i8, i8),
+    /// Start phases of precession and spin, radians.
+    pub phases_rad: (f64, f64),
+}
+
+impl Plain {
+    /// LiteBIRD's strategy, starting at Falcons.jl's equator.
+    pub const LITEBIRD: Self = Self {
+        alpha_deg: 45.0,
+        beta_deg: 50.0,
+        precession_ns: 11_540_880_000_000,
+        spin_ns: 1_200_000_000_000,
+        signs: (1, 1),
+        phases_rad: (0.0, std::f64::consts::PI),
+    };
+
+    /// PICO's strategy.
+    pub const PICO: Self = Self {
+        alpha_deg: 26.0,
+        beta_deg: 69.0,
+        precession_ns: 36_000_000_000_000,
+        spin_ns: 60_000_000_000,
+        ..Self::LITEBIRD
+    };
+
+    /// Planck's strategy.
+    pub const PLANCK: Self = Self {
+        alpha_deg: 7.5,
+        beta_deg: 85.0,
+        precession_ns: 15_778_800_000_000_000,
+        spin_ns: 60_000_000_000,
+        ..Self::LITEBIRD
+    };
+
+    /// The strategy, in exact phases.
+    ///
+    /// # Panics
+    /// When the numbers are not a strategy.
+    #[must_use]
+    pub fn strategy(&self) -> ScanStrategy {
+        let rotor = |period, sign, start| Rotor {
+            rate: turn_rate(period, sign),
+            start: Phase::from_radians(start),
+        };
+        let parameters = ScanParameters {
+            start: Instant::from_tai_ns(0),
+            alpha_rad: self.alpha_deg.to_radians(),
+            beta_rad: self.beta_deg.to_radians(),
+            precession: rotor(self.precession_ns, self.signs.0, self.phases_rad.0),
+            spin: rotor(self.spin_ns, self.signs.1, self.phases_rad.1),
+        };
+        match ScanStrategy::new(parameters) {
+            Ok(strategy) => strategy,
+            Err(error) => panic!("not a strategy: {error:?}"),
+        }
+    }
+}
+
+/// The bytes of a table with one body that moves on Chebyshev series given per granule.
+///
+/// # Panics
+/// When a granule is empty or too long for the format.
+#[must_use]
+pub fn table(body: i32, start_ns: i64, granule_ns: u64, granules: &[Vec<[f64; 3]>]) -> Vec<u8> {
+    let orders = granules[0].len();
+    // Sums over the series bound the motion of p: |T_k'| <= k^2, |T_k''| <= k^2 (k^2 - 1) / 3. The
+    // direction p/|p| moves at most at |p'|/|p|, with |p''|/|p| + 3 (|p'|/|p|)^2.
+    let per_second = 2.0e9 / granule_ns as f64;
+    let mut bounds = MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 0.0 };
+    for granule in granules {
+        let (mut rate, mut acceleration, mut z) = (0.0, 0.0, 0.0);
+        let mut shortest = 0.0;
+        for (order, c) in granule.iter().enumerate() {
+            let k2 = (order * order) as f64;
+            let size = (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]).sqrt();
+            rate += k2 * size * per_second;
+            acceleration += k2 * (k2 - 1.0).max(0.0) / 3.0 * size * per_second * per_second;
+            z += c[2].abs();
+            shortest += if order == 0 { size } else { -size };
+        }
+        assert!(shortest > 0.1, "the series comes too close to zero");
+        let rate = rate / shortest;
+        let acceleration = acceleration / shortest + 3.0 * rate * rate;
+        bounds.rate_rad_s = bounds.rate_rad_s.max(rate * 1.001);
+        bounds.acceleration_per_s2 = bounds.acceleration_per_s2.max(acceleration * 1.001);
+        bounds.max_abs_z = bounds.max_abs_z.max((z / shortest).min(1.0));
+    }
+    let span = Span {
+        body,
+        coefficients: u16::try_from(orders).expect("few orders"),
+        granules: u32::try_from(granules.len()).expect("few granules"),
+        first: 0,
+        start: Instant::from_tai_ns(start_ns),
+        granule_ns: NonZeroU64::new(granule_ns).expect("a length"),
+        bounds,
+    };
+    let numbers = u32::try_from(granules.len() * orders * 3).expect("few numbers");
+    let mut bytes = Vec::new();
+    bytes.extend(1_u32.to_le_bytes());
+    bytes.extend(numbers.to_le_bytes());
+    bytes.extend(span.to_le_bytes());
+    for number in granules.iter().flatten().flatten() {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes
+}
+
+/// Numbers without a pattern, the same in every run (`SplitMix64`).
+#[derive(Debug, Clone)]
+pub struct Noise(u64);
+
+impl Noise {
+    /// The sequence of `seed`.
+    #[must_use]
+    pub const fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// The next number in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / 9_007_199_254_740_992.0
+    }
+
+    /// The next number in [-1, 1).
+    pub fn signed(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+}

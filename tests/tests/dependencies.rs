@@ -1,0 +1,59 @@
+//! What the project is built from: licences, and one version of flight arithmetic everywhere.
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read_toml(path: &str) -> toml::Table {
+    std::fs::read_to_string(root().join(path)).unwrap().parse().unwrap()
+}
+
+#[test]
+fn every_licence_is_one_that_deny_toml_allows() {
+    let deny = read_toml("deny.toml");
+    let allowed: Vec<&str> =
+        deny["licenses"]["allow"].as_array().unwrap().iter().map(|l| l.as_str().unwrap()).collect();
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version", "1", "--locked", "--filter-platform"])
+        .arg("x86_64-unknown-linux-gnu")
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let packages = metadata["packages"].as_array().unwrap();
+    assert!(packages.len() > 50);
+    for package in packages {
+        let name = package["name"].as_str().unwrap();
+        let licence = package["license"].as_str().unwrap_or_else(|| panic!("{name}: no licence"));
+        let expression = spdx::Expression::parse_mode(licence, spdx::ParseMode::LAX)
+            .unwrap_or_else(|error| panic!("{name}: {licence}: {error}"));
+        let granted =
+            expression.evaluate(|requirement| allowed.contains(&requirement.to_string().as_str()));
+        assert!(granted, "{name} has licence {licence}");
+    }
+}
+
+fn versions(lock: &str) -> BTreeMap<String, Vec<String>> {
+    let mut versions: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for package in read_toml(lock)["package"].as_array().unwrap() {
+        let text = |key: &str| package[key].as_str().unwrap().to_owned();
+        versions.entry(text("name")).or_default().push(text("version"));
+    }
+    versions
+}
+
+#[test]
+fn the_link_probe_links_the_same_arithmetic() {
+    let (ours, probe) = (versions("Cargo.lock"), versions("tests/link-probe/Cargo.lock"));
+    for name in ["nalgebra", "libm", "crc", "serde", "simba", "num-traits"] {
+        let probed = probe.get(name).unwrap_or_else(|| panic!("{name} is not in the probe's lock"));
+        let [version] = &probed[..] else { panic!("{name} twice in the probe's lock") };
+        assert!(ours[name].contains(version), "{name} {version} in the probe, {:?}", ours[name]);
+    }
+}

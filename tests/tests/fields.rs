@@ -1,0 +1,193 @@
+//! Fields of every shape and strategies at their limits: membership at random instants.
+
+use onboard_core::attitude::attitude;
+use onboard_core::ephemeris::{EphemerisError, EphemerisTable};
+use onboard_core::field_of_view::FieldOfView;
+use onboard_core::frame::{Boresight, Telescope};
+use onboard_core::phase::{Phase, Rotor};
+use onboard_core::rotation::Rotation;
+use onboard_core::sun::SunModel;
+use onboard_core::time::Instant;
+use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
+use tests::{Noise, Plain, table, turn_rate};
+
+const DAY_NS: i64 = 86_400_000_000_000;
+
+fn sun() -> SunModel<'static> {
+    SunModel::Circular(Rotor {
+        rate: turn_rate(31_557_600_000_000_000, 1),
+        start: Phase::from_radians(-1.0),
+    })
+}
+
+fn run(channels: &mut [Channel<'_>]) -> Vec<Transit> {
+    let mut finder = TransitFinder::new(channels);
+    let mut found = Vec::new();
+    loop {
+        match finder.step() {
+            Step::Transit(transit) => found.push(transit),
+            Step::Searched(_) => {}
+            Step::Done => return found,
+            Step::Failed { error, .. } => panic!("{error:?}"),
+        }
+    }
+}
+
+/// At random instants, inside by the definition means inside a transit. Returns the transits.
+fn check(plain: Plain, field: &FieldOfView, target: [f64; 3], days: i64) -> Vec<Transit> {
+    let scan = plain.strategy();
+    let end_ns = days * DAY_NS;
+    let bytes = table(5, 0, u64::try_from(end_ns).unwrap(), &[vec![target]]);
+    let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
+    let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(end_ns));
+    let found = run(&mut [Channel::new(&scan, sun(), body, field, span)]);
+    assert!(found.windows(2).all(|pair| pair[0].exit <= pair[1].entry));
+    let inside = |at: Instant| {
+        let look = attitude(&scan, &sun(), at).unwrap();
+        field.contains(look.inverse().apply(body.state(at).unwrap().direction))
+    };
+    let mut noise = Noise::new(7);
+    let mut hits = 0;
+    let transit_at = |at: Instant| {
+        let after = found.partition_point(|transit| transit.entry <= at);
+        found.get(after.wrapping_sub(1)).is_some_and(|transit| at <= transit.exit)
+    };
+    let mut probe = |ns: i64| {
+        let at = Instant::from_tai_ns(ns.clamp(0, end_ns));
+        assert_eq!(inside(at), transit_at(at), "at {ns} ns of {plain:?} {field:?}");
+        hits += u32::from(inside(at));
+    };
+    for _ in 0..20_000 {
+        probe((noise.unit() * end_ns as f64) as i64);
+    }
+    // A millisecond to either side of every edge.
+    for transit in found.iter().filter(|transit| transit.dwell().ns() > 10_000_000) {
+        for (edge, clipped) in
+            [(transit.entry, transit.entry_clipped), (transit.exit, transit.exit_clipped)]
+        {
+            for offset in [-1_000_000, 1_000_000] {
+                if !clipped {
+                    probe(edge.tai_ns() + offset);
+                }
+            }
+        }
+    }
+    found
+}
+
+fn circle(degrees: f64) -> FieldOfView {
+    FieldOfView::circle(Rotation::<Boresight, Boresight>::IDENTITY, degrees.to_radians()).unwrap()
+}
+
+const TARGET: [f64; 3] = [0.6, 0.8, 0.01];
+
+#[test]
+fn focal_planes() {
+    let tilted = Rotation::<Telescope, Boresight>::about_z(0.3)
+        .then(Rotation::<Boresight, Boresight>::about_x(0.1));
+    let lft = FieldOfView::rectangle(tilted, 18.0_f64.to_radians(), 8.0_f64.to_radians()).unwrap();
+    for target in [TARGET, [0.0, 0.0, 1.0], [-0.8, 0.6, 0.0]] {
+        assert!(!check(Plain::LITEBIRD, &lft, target, 120).is_empty());
+    }
+    assert!(check(Plain::LITEBIRD, &circle(14.0), TARGET, 60).len() > 100);
+    let huge = FieldOfView::rectangle(tilted, 3.0, 2.0).unwrap();
+    check(Plain::LITEBIRD, &huge, TARGET, 30);
+}
+
+#[test]
+fn radii_to_half_a_turn() {
+    for degrees in [0.001, 0.1, 30.0, 60.0, 90.0, 120.0, 179.0] {
+        check(Plain::LITEBIRD, &circle(degrees), TARGET, 30);
+        check(Plain::PLANCK, &circle(degrees), TARGET, 3);
+    }
+    let always = check(Plain::LITEBIRD, &circle(180.0), TARGET, 30);
+    assert_eq!(always.len(), 1);
+    assert!(always[0].entry_clipped && always[0].exit_clipped);
+}
+
+#[test]
+fn angles_at_their_limits() {
+    for (alpha_deg, beta_deg) in [
+        (0.0, 90.0),
+        (90.0, 0.0),
+        (0.0, 0.0),
+        (90.0, 90.0),
+        (0.0, 180.0),
+        (180.0, 0.0),
+        (1e-6, 89.0),
+        (45.0, 1e-6),
+        (120.0, 60.0),
+        (2.0, 1.0),
+    ] {
+        for degrees in [0.5, 10.0] {
+            let plain = Plain { alpha_deg, beta_deg, ..Plain::LITEBIRD };
+            check(plain, &circle(degrees), TARGET, 200);
+            check(plain, &circle(degrees), [-0.8, 0.6, 0.0], 200);
+        }
+    }
+}
+
+#[test]
+fn resuming_a_saved_state_gives_the_same_bits() {
+    let bytes = table(5, 0, 30 * DAY_NS as u64, &[vec![TARGET]]);
+    let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
+    let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(30 * DAY_NS));
+    let fresh = || Channel::new(&Plain::LITEBIRD.strategy(), sun(), body, &circle(3.0), span);
+    let whole = run(&mut [fresh()]);
+    assert!(whole.len() > 20);
+    for steps in [1, 10, 100, 777] {
+        let mut first = [fresh()];
+        let mut finder = TransitFinder::new(&mut first);
+        let mut found = Vec::new();
+        for _ in 0..steps {
+            if let Step::Transit(transit) = finder.step() {
+                found.push(transit);
+            }
+        }
+        let saved = serde_json::to_string(&first[0].state()).unwrap();
+        let mut second = [fresh()];
+        second[0].resume(serde_json::from_str(&saved).unwrap());
+        found.extend(run(&mut second));
+        assert_eq!(found, whole, "after {steps} steps");
+    }
+}
+
+#[test]
+fn channels_come_out_in_order_of_entry_then_channel() {
+    let bytes = table(5, 0, 30 * DAY_NS as u64, &[vec![TARGET]]);
+    let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
+    let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(30 * DAY_NS));
+    let scan = Plain::LITEBIRD.strategy();
+    let channel = |degrees| Channel::new(&scan, sun(), body, &circle(degrees), span);
+    let merged = run(&mut [channel(3.0), channel(1.0), channel(3.0), channel(20.0)]);
+    let keys: Vec<_> = merged.iter().map(|t| (t.entry, t.channel)).collect();
+    assert!(keys.is_sorted(), "{keys:?}");
+    for (index, degrees) in [3.0, 1.0, 3.0, 20.0].into_iter().enumerate() {
+        let alone = run(&mut [channel(degrees)]);
+        let same: Vec<_> = merged
+            .iter()
+            .filter(|transit| transit.channel == index)
+            .map(|transit| Transit { channel: 0, ..*transit })
+            .collect();
+        assert_eq!(alone, same);
+    }
+}
+
+#[test]
+fn a_table_that_ends_too_early_is_reported_and_loses_nothing() {
+    let bytes = table(5, 0, 10 * DAY_NS as u64, &[vec![TARGET]]);
+    let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
+    let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(30 * DAY_NS));
+    let mut channels = [Channel::new(&Plain::LITEBIRD.strategy(), sun(), body, &circle(3.0), span)];
+    let mut finder = TransitFinder::new(&mut channels);
+    let failure = loop {
+        match finder.step() {
+            Step::Failed { channel, error } => break (channel, error),
+            Step::Done => panic!("searched beyond the table"),
+            _ => {}
+        }
+    };
+    let (0, EphemerisError::OutOfSpan(at)) = failure else { panic!("{failure:?}") };
+    assert!(at > Instant::from_tai_ns(10 * DAY_NS));
+    assert_eq!(finder.step(), Step::Failed { channel: 0, error: failure.1 });
+}
