@@ -4,7 +4,7 @@
 //! all of them could be written. `-` is standard output; a reader that closes it early is no error.
 
 use crate::failure::Failure;
-use std::io::{ErrorKind, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use tempfile::NamedTempFile;
@@ -30,31 +30,80 @@ impl FromStr for Sink {
     }
 }
 
+/// Why writing stopped.
+#[derive(Debug)]
+pub enum WriteError {
+    /// The place could not take it.
+    Io(std::io::Error),
+    /// What was to be written could not be made.
+    Failed(Failure),
+}
+
+impl From<std::io::Error> for WriteError {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+impl From<Failure> for WriteError {
+    fn from(failure: Failure) -> Self {
+        Self::Failed(failure)
+    }
+}
+
 impl Sink {
     /// Writes `bytes`, whole or not at all.
     ///
     /// # Errors
     /// [`Failure::Input`] names the path and what the system said.
     pub fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
+        self.write_with(|out| Ok(out.write_all(bytes)?))
+    }
+
+    /// Lets `fill` write: a file appears whole or not at all; a closed pipe ends quietly.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] names the path and what the system said, or what `fill` failed with.
+    pub fn write_with<T: Default>(
+        &self,
+        fill: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
+    ) -> Result<T, Failure> {
         match self {
-            Self::Stdout => to_stdout(bytes),
-            Self::File(path) => beside(path, bytes)?.place(),
+            Self::Stdout => {
+                let mut out = BufWriter::new(std::io::stdout().lock());
+                let done = fill(&mut out).and_then(|value| {
+                    out.flush()?;
+                    Ok(value)
+                });
+                match done {
+                    Err(WriteError::Io(error)) if error.kind() == ErrorKind::BrokenPipe => {
+                        Ok(T::default())
+                    }
+                    other => other.map_err(|error| blame(Path::new("standard output"), error)),
+                }
+            }
+            Self::File(path) => {
+                let (value, written) = beside(path, fill)?;
+                written.place()?;
+                Ok(value)
+            }
         }
     }
 }
 
-/// Writes to standard output; a closed pipe ends quietly.
+fn blame(path: &Path, error: WriteError) -> Failure {
+    match error {
+        WriteError::Io(error) => Failure::file("write", path, &error),
+        WriteError::Failed(failure) => failure,
+    }
+}
+
+/// Writes text to standard output; a closed pipe ends quietly.
 ///
 /// # Errors
 /// [`Failure::Input`] with what the system said.
 pub fn to_stdout(bytes: &[u8]) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(bytes).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::file("write", Path::new("standard output"), &error))
-        }
-        _ => Ok(()),
-    }
+    Sink::Stdout.write(bytes)
 }
 
 /// Writes files into a folder, which is made if need be: all of them or none.
@@ -65,7 +114,7 @@ pub fn write_folder(folder: &Path, files: &[(&str, &[u8])]) -> Result<(), Failur
     let made = !folder.exists();
     std::fs::create_dir_all(folder).map_err(|error| Failure::file("create", folder, &error))?;
     let written: Result<Vec<_>, _> =
-        files.iter().map(|(name, bytes)| beside(&folder.join(name), bytes)).collect();
+        files.iter().map(|(name, bytes)| whole(&folder.join(name), bytes)).collect();
     match written {
         Ok(files) => files.into_iter().try_for_each(Written::place),
         Err(failure) => {
@@ -92,7 +141,15 @@ impl Written {
     }
 }
 
-fn beside(path: &Path, bytes: &[u8]) -> Result<Written, Failure> {
+fn whole(path: &Path, bytes: &[u8]) -> Result<Written, Failure> {
+    beside(path, |out| Ok(out.write_all(bytes)?)).map(|((), written)| written)
+}
+
+/// Fills a file next to `path`; dropped before it is placed, it vanishes.
+fn beside<T>(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
+) -> Result<(T, Written), Failure> {
     let fail = |error: std::io::Error| Failure::file("write", path, &error);
     if path.is_dir() {
         return Err(Failure::Input(format!("cannot write {}: it is a folder", path.display())));
@@ -108,9 +165,11 @@ fn beside(path: &Path, bytes: &[u8]) -> Result<Written, Failure> {
         // As a plain file would be; the user's mask still applies.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.prefix(".gyrfalcon-").tempfile_in(folder).map_err(fail)?;
-    file.write_all(bytes).and_then(|()| file.flush()).map_err(fail)?;
-    Ok(Written { file, path: path.to_owned() })
+    let hidden = builder.prefix(".gyrfalcon-").tempfile_in(folder).map_err(fail)?;
+    let mut out = BufWriter::new(hidden);
+    let value = fill(&mut out).map_err(|error| blame(path, error))?;
+    let hidden = out.into_inner().map_err(|error| fail(error.into_error()))?;
+    Ok((value, Written { file: hidden, path: path.to_owned() }))
 }
 
 #[cfg(test)]

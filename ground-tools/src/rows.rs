@@ -5,54 +5,79 @@
 
 use crate::cli::Format;
 use crate::failure::Failure;
+use crate::output::WriteError;
 use crate::provenance::Provenance;
 use serde::Serialize;
+use std::io::Write;
 
-/// The rows as bytes; `header` names the columns, for a table without rows.
+/// Writes rows as they come; `header` names the columns. Returns how many there were.
 ///
 /// # Errors
-/// [`Failure::Internal`] where a row cannot be written.
+/// What a row or the writer says.
 pub fn write<R: Serialize>(
-    rows: impl Iterator<Item = R>,
-    format: Format,
-    provenance: &Provenance,
-    header: &[&str],
-) -> Result<Vec<u8>, Failure> {
-    match format {
-        Format::Csv => csv_rows(rows, provenance, header),
-        Format::Jsonl => json_rows(rows, provenance),
+    out: &mut dyn Write,
+    rows: impl Iterator<Item = Result<R, Failure>>,
+    layout: &Layout<'_>,
+) -> Result<usize, WriteError> {
+    match layout.format {
+        Format::Csv => csv_rows(out, rows, layout),
+        Format::Jsonl => json_rows(out, rows, layout),
     }
+}
+
+/// How rows are written.
+#[derive(Debug, Clone, Copy)]
+pub struct Layout<'l> {
+    /// CSV or JSON lines.
+    pub format: Format,
+    /// Where the rows come from.
+    pub provenance: &'l Provenance,
+    /// The columns' names.
+    pub header: &'l [&'l str],
 }
 
 fn csv_rows<R: Serialize>(
-    rows: impl Iterator<Item = R>,
-    provenance: &Provenance,
-    header: &[&str],
-) -> Result<Vec<u8>, Failure> {
-    let mut writer =
-        csv::WriterBuilder::new().has_headers(false).from_writer(provenance.comment().into_bytes());
-    writer.write_record(header).map_err(Failure::internal)?;
+    mut out: &mut dyn Write,
+    rows: impl Iterator<Item = Result<R, Failure>>,
+    layout: &Layout<'_>,
+) -> Result<usize, WriteError> {
+    out.write_all(layout.provenance.comment().as_bytes())?;
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(&mut out);
+    writer.write_record(layout.header).map_err(csv_error)?;
+    let mut count = 0;
     for row in rows {
-        writer.serialize(row).map_err(Failure::internal)?;
+        writer.serialize(row?).map_err(csv_error)?;
+        count += 1;
     }
-    writer.into_inner().map_err(|error| Failure::internal(error.error()))
+    writer.flush()?;
+    Ok(count)
+}
+
+fn csv_error(error: csv::Error) -> WriteError {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => WriteError::Io(error),
+        other => WriteError::Failed(Failure::internal(format!("{other:?}"))),
+    }
 }
 
 fn json_rows<R: Serialize>(
-    rows: impl Iterator<Item = R>,
-    provenance: &Provenance,
-) -> Result<Vec<u8>, Failure> {
-    let mut bytes = Vec::new();
-    let mut provenance = Some(provenance);
+    out: &mut dyn Write,
+    rows: impl Iterator<Item = Result<R, Failure>>,
+    layout: &Layout<'_>,
+) -> Result<usize, WriteError> {
+    let mut count = 0;
     for row in rows {
-        match provenance.take() {
-            None => serde_json::to_writer(&mut bytes, &row),
-            Some(provenance) => serde_json::to_writer(&mut bytes, &First { row, provenance }),
+        let row = row?;
+        if count == 0 {
+            serde_json::to_writer(&mut *out, &First { row, provenance: layout.provenance })
+        } else {
+            serde_json::to_writer(&mut *out, &row)
         }
-        .map_err(Failure::internal)?;
-        bytes.push(b'\n');
+        .map_err(std::io::Error::from)?;
+        out.write_all(b"\n")?;
+        count += 1;
     }
-    Ok(bytes)
+    Ok(count)
 }
 
 /// The first row of JSON lines.

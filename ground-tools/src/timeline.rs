@@ -5,10 +5,13 @@
 //!
 //! Limits: the resonance check is not part of this version; its field is null.
 
+use crate::cli::Format;
 use crate::degrees;
 use crate::failure::Failure;
+use crate::output::WriteError;
 use crate::passes::{Found, told};
 use crate::provenance::Provenance;
+use crate::rows::{self, Layout};
 use crate::sightline::SightLine;
 use crate::world::World;
 use ephem::time::{format_tdb, format_utc};
@@ -380,6 +383,12 @@ impl Timeline {
             dwell_s: it.dwell_s,
             reason: &it.reason,
         });
-        crate::rows::write(rows, crate::cli::Format::Csv, &self.provenance, &COLUMNS)
+        let layout = Layout { format: Format::Csv, provenance: &self.provenance, header: &COLUMNS };
+        let mut bytes = Vec::new();
+        rows::write(&mut bytes, rows.map(Ok), &layout).map_err(|error| match error {
+            WriteError::Io(error) => Failure::internal(error),
+            WriteError::Failed(failure) => failure,
+        })?;
+        Ok(bytes)
     }
 }

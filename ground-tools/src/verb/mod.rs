@@ -11,6 +11,8 @@ use crate::cli::{Cli, Format, SharedArgs, Verb};
 use crate::failure::Failure;
 use crate::mission::Mission;
 use crate::output::{Sink, to_stdout};
+use crate::provenance::Provenance;
+use crate::rows::{self, Layout};
 use crate::world::World;
 use clap::CommandFactory;
 use serde::Serialize;
@@ -66,19 +68,20 @@ fn sink(shared: &SharedArgs) -> Sink {
     })
 }
 
-/// The form of rows.
-fn format(shared: &SharedArgs) -> Format {
-    shared.format.unwrap_or(Format::Csv)
-}
-
-/// Rows go to `--out` or standard output; with `--json` the summary goes to standard output, and
-/// rows only to a file.
-fn deliver(shared: &SharedArgs, rows: &[u8], summary: &impl Serialize) -> Result<(), Failure> {
+/// Rows go to `--out` or standard output; with `--json` a summary goes to standard output, and rows
+/// only to a file.
+fn deliver<R: Serialize, S: Serialize>(
+    shared: &SharedArgs,
+    rows: impl Iterator<Item = Result<R, Failure>>,
+    (provenance, header): (&Provenance, &[&str]),
+    summary: impl FnOnce() -> Result<S, Failure>,
+) -> Result<(), Failure> {
     let sink = sink(shared);
     if !(shared.json && sink == Sink::Stdout) {
-        sink.write(rows)?;
+        let layout = Layout { format: shared.format.unwrap_or(Format::Csv), provenance, header };
+        sink.write_with(|out| rows::write(out, rows, &layout))?;
     }
-    if shared.json { print_json(summary) } else { Ok(()) }
+    if shared.json { print_json(&summary()?) } else { Ok(()) }
 }
 
 /// An object on standard output, one line.

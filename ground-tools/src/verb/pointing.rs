@@ -1,12 +1,11 @@
 //! `gyrfalcon pointing`: attitude, direction, crossing angle and plate angle over a span.
 
-use super::{deliver, format, world};
+use super::{deliver, world};
 use crate::cli::{PointingArgs, SharedArgs};
 use crate::degrees;
 use crate::failure::Failure;
 use crate::passes::told;
 use crate::provenance::Provenance;
-use crate::rows;
 use crate::sightline::{SightLine, select};
 use crate::world::World;
 use ephem::time::format_tdb;
@@ -34,9 +33,6 @@ const COLUMNS: [&str; 16] = [
     "scan_speed_deg_s",
     "scan_beam_angle_deg",
 ];
-
-/// Most rows of one call: some 20 GB of text.
-const MAX_ROWS: i64 = 100_000_000;
 
 #[derive(Serialize)]
 struct Row {
@@ -80,24 +76,23 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
     world.targets.clear();
     let tables = world.tables(&world.ground_options())?;
     let sun = world.sun(tables.parse()?)?;
-    let found = times
-        .iter()
-        .map(|elapsed| row(&world, &sun, line, *elapsed))
-        .collect::<Result<Vec<Row>, _>>()?;
     let provenance = Provenance::of(&world);
-    let rows_written = found.len();
-    let bytes = rows::write(found.into_iter(), format(shared), &provenance, &COLUMNS)?;
-    let summary = Summary {
-        rows: rows_written,
-        telescope: line.telescope_name.clone(),
-        detector: line.detector_name.clone(),
-        provenance,
-    };
-    deliver(shared, &bytes, &summary)
+    let rows = times.clone().map(|elapsed| row(&world, &sun, line, elapsed));
+    deliver(shared, rows, (&provenance, &COLUMNS), || {
+        Ok(Summary {
+            rows: times.clone().count(),
+            telescope: line.telescope_name.clone(),
+            detector: line.detector_name.clone(),
+            provenance: provenance.clone(),
+        })
+    })
 }
 
 /// The elapsed times asked for, within the mission.
-fn times(world: &World, arguments: &PointingArgs) -> Result<Vec<Duration>, Failure> {
+fn times(
+    world: &World,
+    arguments: &PointingArgs,
+) -> Result<impl Iterator<Item = Duration> + Clone + use<>, Failure> {
     let whole = world.mission.span.duration;
     if let Some(beyond) = arguments.at.iter().find(|elapsed| **elapsed > whole) {
         return Err(Failure::Input(format!(
@@ -107,18 +102,10 @@ fn times(world: &World, arguments: &PointingArgs) -> Result<Vec<Duration>, Failu
             whole.seconds()
         )));
     }
-    let Some(step) = arguments.step else { return Ok(arguments.at.clone()) };
-    let count = whole.ns() / step.ns();
-    if count >= MAX_ROWS {
-        return Err(Failure::Input(format!(
-            "--step {} s over {} s gives {} rows: at most {MAX_ROWS} are written, so a longer step \
-             or a shorter --duration is needed",
-            step.seconds(),
-            whole.seconds(),
-            count.saturating_add(1)
-        )));
-    }
-    Ok((0..=count).map(|index| Duration::from_ns(index * step.ns())).collect())
+    let at = arguments.at.clone();
+    let step = arguments.step.map_or(0, Duration::ns);
+    let stepped = if step > 0 { whole.ns() / step + 1 } else { 0 };
+    Ok(at.into_iter().chain((0..stepped).map(move |index| Duration::from_ns(index * step))))
 }
 
 fn row(

@@ -1,19 +1,17 @@
 //! `gyrfalcon transits`: every passage of the targets through a line of sight.
 
-use super::{deliver, format, world};
+use super::{deliver, world};
 use crate::cli::{SharedArgs, TransitsArgs};
 use crate::degrees;
 use crate::failure::Failure;
 use crate::passes::{Found, search, told};
 use crate::provenance::Provenance;
-use crate::rows;
 use crate::sightline::{SightLine, select};
 use crate::world::World;
 use ephem::time::{format_tdb, format_utc};
 use onboard_core::attitude::sweep;
 use onboard_core::hwp::hwp_phase;
 use onboard_core::sun::SunModel;
-use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -73,13 +71,9 @@ pub(super) fn run(shared: &SharedArgs, arguments: &TransitsArgs) -> Result<(), F
     let table = tables.parse()?;
     let found = search(&world, table, &lines)?;
     let sun = world.sun(table)?;
-    let rows = found
-        .par_iter()
-        .map(|it| row(&world, &sun, &lines[it.line], it))
-        .collect::<Result<Vec<Row<'_>>, Failure>>()?;
     let provenance = Provenance::of(&world);
-    let bytes = rows::write(rows.into_iter(), format(shared), &provenance, &COLUMNS)?;
-    deliver(shared, &bytes, &summary(&world, &lines, &found, &provenance)?)
+    let rows = found.iter().map(|it| row(&world, &sun, &lines[it.line], it));
+    deliver(shared, rows, (&provenance, &COLUMNS), || summary(&world, &lines, &found, &provenance))
 }
 
 fn row<'w>(
