@@ -24,7 +24,8 @@
 //! | 24..32 | granule length, u64 ns |
 //! | 32..56 | bounds over the span: rate rad/s, acceleration 1/s^2, largest abs z; f64 |
 //!
-//! Method: Clenshaw's recurrence for the series and its derivative, then renormalisation.
+//! Method: the recurrences of Chebyshev's polynomials of both kinds, for the series and its
+//! derivative, then renormalisation.
 //!
 //! Limits: the position error is the fit's (1 mas for uplinked tables, shown by
 //! `ephem/tests/fit.rs`). The bounds are the ground's word; `gyrfalcon table verify` checks them.
@@ -260,7 +261,7 @@ impl BodyTable<'_> {
             .checked_add(index_from_u64(granule).checked_mul(orders)?)?;
         let series = self.data.get(first..first.checked_add(orders)?)?;
         let length = f64_from_u64(span.granule_ns.get());
-        let (value, slope) = clenshaw(series, 2.0 * (f64_from_u64(within) / length) - 1.0);
+        let (value, slope) = chebyshev(series, 2.0 * (f64_from_u64(within) / length) - 1.0);
         let direction = Direction::new(value.x, value.y, value.z)?;
         // d(v/|v|)/dt = (v' - n (n . v')) / |v|; |v| is one within the fit's error.
         let unit = direction.vector();
@@ -290,19 +291,25 @@ impl BodyTable<'_> {
     }
 }
 
-/// `sum_k c_k T_k(x)` and its derivative with respect to x, by Clenshaw's recurrence.
-fn clenshaw(series: &[[u8; ORDER_BYTES]], x: f64) -> (Vector3<f64>, Vector3<f64>) {
+/// `sum_k c_k T_k(x)` and its derivative `sum_k c_k k U_{k-1}(x)`, by the recurrences of both kinds.
+fn chebyshev(series: &[[u8; ORDER_BYTES]], x: f64) -> (Vector3<f64>, Vector3<f64>) {
     let zero = Vector3::new(0.0, 0.0, 0.0);
     let Some((constant, higher)) = series.split_first() else { return (zero, zero) };
     let two_x = 2.0 * x;
-    // b_k = c_k + 2 x b_{k+1} - b_{k+2}; the derivative's recurrence adds 2 b_{k+1}.
-    let (mut b1, mut b2, mut d1, mut d2) = (zero, zero, zero, zero);
-    for order in higher.iter().rev() {
-        let d = b1 * 2.0 + d1 * two_x - d2;
-        let b = coefficient(order) + b1 * two_x - b2;
-        (b2, b1, d2, d1) = (b1, b, d1, d);
+    let (mut value, mut slope) = (coefficient(constant), zero);
+    // T_0 = 1, T_1 = x, U_{-1} = 0, U_0 = 1; both go on with y_{k+1} = 2 x y_k - y_{k-1}.
+    let (mut first, mut first_before) = (x, 1.0);
+    let (mut second, mut second_before) = (1.0, 0.0);
+    let mut degree = 1.0;
+    for order in higher {
+        let c = coefficient(order);
+        value += c * first;
+        slope += c * (degree * second);
+        (first_before, first) = (first, two_x * first - first_before);
+        (second_before, second) = (second, two_x * second - second_before);
+        degree += 1.0;
     }
-    (coefficient(constant) + b1 * x - b2, b1 + d1 * x - d2)
+    (value, slope)
 }
 
 fn coefficient(order: &[u8; ORDER_BYTES]) -> Vector3<f64> {

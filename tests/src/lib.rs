@@ -5,6 +5,7 @@ use onboard_core::ephemeris::Span;
 use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::scan::{ScanParameters, ScanStrategy};
 use onboard_core::time::Instant;
+use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
 use std::num::NonZeroU64;
 
 /// The rate of one turn in `period_ns`, rounded to the nearest 2^-128 turn/ns.
@@ -82,6 +83,23 @@ impl Plain {
         match ScanStrategy::new(parameters) {
             Ok(strategy) => strategy,
             Err(error) => panic!("not a strategy: {error:?}"),
+        }
+    }
+}
+
+/// All transits of some channels, in order.
+///
+/// # Panics
+/// When a channel cannot be evaluated.
+pub fn transits(channels: &mut [Channel<'_>]) -> Vec<Transit> {
+    let mut finder = TransitFinder::new(channels);
+    let mut found = Vec::new();
+    loop {
+        match finder.step() {
+            Step::Transit(transit) => found.push(transit),
+            Step::Searched(_) => {}
+            Step::Done => return found,
+            Step::Failed { channel, error } => panic!("channel {channel}: {error:?}"),
         }
     }
 }

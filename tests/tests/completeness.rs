@@ -15,8 +15,8 @@ use onboard_core::rotation::Rotation;
 use onboard_core::scan::ScanStrategy;
 use onboard_core::sun::SunModel;
 use onboard_core::time::Instant;
-use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
-use tests::{Noise, Plain, table, turn_rate};
+use onboard_core::transit::{Channel, Transit};
+use tests::{Noise, Plain, table, transits, turn_rate};
 
 const RADIUS_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// A minimum this close to the radius may go either way (`docs/conventions.md`).
@@ -95,17 +95,7 @@ impl Case {
     fn found(&self, target: BodyTable<'_>, end_ns: i64) -> Vec<Transit> {
         let field = FieldOfView::circle(self.detector, RADIUS_RAD).unwrap();
         let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(end_ns));
-        let mut channels = [Channel::new(&self.scan, sun(), target, &field, span)];
-        let mut finder = TransitFinder::new(&mut channels);
-        let mut found = Vec::new();
-        loop {
-            match finder.step() {
-                Step::Transit(transit) => found.push(transit),
-                Step::Searched(_) => {}
-                Step::Done => return found,
-                Step::Failed { error, .. } => panic!("{error:?}"),
-            }
-        }
+        transits(&mut [Channel::new(&self.scan, sun(), target, &field, span)])
     }
 
     /// Compares both lists; returns how many transits there were.

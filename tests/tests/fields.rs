@@ -9,7 +9,7 @@ use onboard_core::rotation::Rotation;
 use onboard_core::sun::SunModel;
 use onboard_core::time::Instant;
 use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
-use tests::{Noise, Plain, table, turn_rate};
+use tests::{Noise, Plain, table, transits, turn_rate};
 
 const DAY_NS: i64 = 86_400_000_000_000;
 
@@ -20,19 +20,6 @@ fn sun() -> SunModel<'static> {
     })
 }
 
-fn run(channels: &mut [Channel<'_>]) -> Vec<Transit> {
-    let mut finder = TransitFinder::new(channels);
-    let mut found = Vec::new();
-    loop {
-        match finder.step() {
-            Step::Transit(transit) => found.push(transit),
-            Step::Searched(_) => {}
-            Step::Done => return found,
-            Step::Failed { error, .. } => panic!("{error:?}"),
-        }
-    }
-}
-
 /// At random instants, inside by the definition means inside a transit. Returns the transits.
 fn check(plain: Plain, field: &FieldOfView, target: [f64; 3], days: i64) -> Vec<Transit> {
     let scan = plain.strategy();
@@ -40,7 +27,7 @@ fn check(plain: Plain, field: &FieldOfView, target: [f64; 3], days: i64) -> Vec<
     let bytes = table(5, 0, u64::try_from(end_ns).unwrap(), &[vec![target]]);
     let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
     let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(end_ns));
-    let found = run(&mut [Channel::new(&scan, sun(), body, field, span)]);
+    let found = transits(&mut [Channel::new(&scan, sun(), body, field, span)]);
     assert!(found.windows(2).all(|pair| pair[0].exit <= pair[1].entry));
     let inside = |at: Instant| {
         let look = attitude(&scan, &sun(), at).unwrap();
@@ -133,7 +120,7 @@ fn resuming_a_saved_state_gives_the_same_bits() {
     let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
     let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(30 * DAY_NS));
     let fresh = || Channel::new(&Plain::LITEBIRD.strategy(), sun(), body, &circle(3.0), span);
-    let whole = run(&mut [fresh()]);
+    let whole = transits(&mut [fresh()]);
     assert!(whole.len() > 20);
     for steps in [1, 10, 100, 777] {
         let mut first = [fresh()];
@@ -147,7 +134,7 @@ fn resuming_a_saved_state_gives_the_same_bits() {
         let saved = serde_json::to_string(&first[0].state()).unwrap();
         let mut second = [fresh()];
         second[0].resume(serde_json::from_str(&saved).unwrap());
-        found.extend(run(&mut second));
+        found.extend(transits(&mut second));
         assert_eq!(found, whole, "after {steps} steps");
     }
 }
@@ -159,11 +146,11 @@ fn channels_come_out_in_order_of_entry_then_channel() {
     let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(30 * DAY_NS));
     let scan = Plain::LITEBIRD.strategy();
     let channel = |degrees| Channel::new(&scan, sun(), body, &circle(degrees), span);
-    let merged = run(&mut [channel(3.0), channel(1.0), channel(3.0), channel(20.0)]);
+    let merged = transits(&mut [channel(3.0), channel(1.0), channel(3.0), channel(20.0)]);
     let keys: Vec<_> = merged.iter().map(|t| (t.entry, t.channel)).collect();
     assert!(keys.is_sorted(), "{keys:?}");
     for (index, degrees) in [3.0, 1.0, 3.0, 20.0].into_iter().enumerate() {
-        let alone = run(&mut [channel(degrees)]);
+        let alone = transits(&mut [channel(degrees)]);
         let same: Vec<_> = merged
             .iter()
             .filter(|transit| transit.channel == index)

@@ -189,12 +189,17 @@ fn shares<'w>(
         Share {
             target: target.name(),
             sessions: sessions().count(),
-            hours: sessions().map(|it| it.dwell_s).sum::<f64>() / 3600.0,
+            hours: total(sessions().map(|it| it.dwell_s)) / 3600.0,
             opportunities: offered().count(),
-            hours_offered: offered().map(|it| it.dwell.seconds()).sum::<f64>() / 3600.0,
+            hours_offered: total(offered().map(|it| it.dwell.seconds())) / 3600.0,
         }
     };
     world.targets.iter().enumerate().map(share).collect()
+}
+
+/// A sum that is +0 where there is nothing to add.
+fn total(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(0.0, |sum, number| sum + number)
 }
 
 fn summary(world: &World, timeline: &Timeline, opportunities: &Opportunities) -> Value {

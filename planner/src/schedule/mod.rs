@@ -305,7 +305,10 @@ pub fn schedule(problem: &Problem) -> Result<Schedule, ScheduleError> {
     let chosen: Vec<usize> = draft.chosen().map(|id| model.sessions[id].candidate).collect();
     check(problem, &chosen).map_err(ScheduleError::Unsound)?;
     explain::left_out(&model, &draft, &mut reasons);
-    let objective: f64 = chosen.iter().map(|&candidate| problem.value(candidate)).sum();
+    let objective = chosen
+        .iter()
+        .map(|&candidate| problem.value(candidate))
+        .fold(0.0, |sum, value| sum + value);
     let upper_bound = model.value_from_units(bound).max(objective);
     let stopped = match ended {
         Stopped::Optimal => Stopped::Optimal,
