@@ -32,8 +32,12 @@ pub fn search(
     lines: &[SightLine],
 ) -> Result<Vec<Found>, Failure> {
     let sun = world.sun(table)?;
+    // Telescopes that look the same way through the same field see the same: search those once.
+    let first_like = |line: usize| lines.iter().position(|it| it.sees_as(&lines[line]));
+    let same: Vec<usize> = (0..lines.len()).map(|line| first_like(line).unwrap_or(line)).collect();
     let pairs: Vec<(usize, usize)> = (0..world.targets.len())
         .flat_map(|target| (0..lines.len()).map(move |line| (target, line)))
+        .filter(|(_, line)| same[*line] == *line)
         .collect();
     let found: Result<Vec<Vec<Found>>, Failure> = pairs
         .par_iter()
@@ -49,7 +53,11 @@ pub fn search(
             let transits = run(&mut channel).map_err(|error| {
                 Failure::internal(format!("search for {}: {}", source.name(), told(error)))
             })?;
-            Ok(transits.into_iter().map(|transit| Found { target, line, transit }).collect())
+            let like = || (0..lines.len()).filter(|other| same[*other] == line);
+            Ok(transits
+                .into_iter()
+                .flat_map(|transit| like().map(move |line| Found { target, line, transit }))
+                .collect())
         })
         .collect();
     let mut found = found?.concat();

@@ -38,6 +38,13 @@ impl SightLine {
     pub fn key(&self) -> String {
         format!("{}/{}", self.telescope_name, self.detector_name)
     }
+
+    /// Whether another line of sight has the same directions inside at all times, to the bit.
+    #[must_use]
+    pub fn sees_as(&self, other: &Self) -> bool {
+        let bits = |line: &Self| line.rotation.to_xyzw().map(f64::to_bits);
+        bits(self) == bits(other) && self.field.shape() == other.field.shape()
+    }
 }
 
 /// A telescope's frame read as a detector's: z its line of sight, x its x.

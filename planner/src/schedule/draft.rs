@@ -86,6 +86,78 @@ impl<'a> Draft<'a> {
         Some(Because::SessionCount { from: Instant::from_tai_ns(from), count })
     }
 
+    /// Sessions whose removal lets a session in, if together they are worth less than it.
+    ///
+    /// All that overlap it; then in each day that is too full, and in each window, the least valuable
+    /// until it fits.
+    pub(super) fn cheaper_blockers(&self, session: &Session) -> Option<Vec<usize>> {
+        let mut out: Vec<usize> = Vec::new();
+        let mut budget = session.value;
+        let mut eject = |id: usize, out: &mut Vec<usize>| {
+            budget -= self.model.sessions[id].value;
+            out.push(id);
+            budget > 0
+        };
+        if let Some(lane) = self.lanes.get(session.lane) {
+            let earlier = lane.range(..(session.end, 0)).rev();
+            for (&(_, id), _) in earlier.take_while(|(_, end)| **end > session.start) {
+                if !eject(id, &mut out) {
+                    return None;
+                }
+            }
+        }
+        if self.model.day_limit.is_some() {
+            for (cell, ns) in self.model.shares(session) {
+                let share = |id: usize| self.model.share(&self.model.sessions[id], cell);
+                let freed: i64 = out.iter().map(|&id| share(id)).sum();
+                let mut excess = ns - self.left(cell) - freed;
+                if excess <= 0 {
+                    continue;
+                }
+                let (from, until) = (self.model.cells[cell], self.model.cells[cell + 1]);
+                let first = from.saturating_sub(self.model.longest);
+                let mut inside: Vec<usize> = self
+                    .starts
+                    .range((first, 0)..(until, 0))
+                    .map(|&(_, id)| id)
+                    .filter(|id| share(*id) > 0 && !out.contains(id))
+                    .collect();
+                inside.sort_unstable_by_key(|&id| (self.model.sessions[id].value, id));
+                // The least valuable that is enough alone, or from the least valuable up.
+                let alone = inside.iter().copied().find(|&id| share(id) >= excess);
+                for id in alone.map_or(inside, |id| vec![id]) {
+                    if !eject(id, &mut out) {
+                        return None;
+                    }
+                    excess -= share(id);
+                    if excess <= 0 {
+                        break;
+                    }
+                }
+            }
+        }
+        if let Some((count, window)) = self.model.count {
+            let first = session.start.saturating_sub(window).saturating_add(1);
+            let until = session.start.saturating_add(window);
+            let range = self.starts.range((first, 0)..(until, 0));
+            let mut near: Vec<(i64, usize)> =
+                range.copied().filter(|(_, id)| !out.contains(id)).collect();
+            let place = near.partition_point(|&(start, _)| start < session.start);
+            near.insert(place, (session.start, usize::MAX));
+            while let Some(run) =
+                near.windows(count + 1).find(|run| run[count].0.saturating_sub(run[0].0) < window)
+            {
+                let others = run.iter().map(|&(_, id)| id).filter(|&id| id != usize::MAX);
+                let least = others.min_by_key(|&id| (self.model.sessions[id].value, id))?;
+                if !eject(least, &mut out) {
+                    return None;
+                }
+                near.retain(|&(_, id)| id != least);
+            }
+        }
+        Some(out)
+    }
+
     /// A session that stands and overlaps.
     fn clash(&self, session: &Session) -> Option<usize> {
         let lane = self.lanes.get(session.lane)?;

@@ -154,7 +154,7 @@ pub(super) fn usage(model: &Model, draft: &Draft<'_>, prices: &Prices) -> Vec<Co
     for id in draft.chosen() {
         let session = &model.sessions[id];
         if let Some(sum) = reserved.get_mut(session.lane) {
-            *sum += session.end - session.start;
+            *sum += session.length();
         }
     }
     let limit = seconds(model.span_ns);
@@ -175,7 +175,7 @@ pub(super) fn usage(model: &Model, draft: &Draft<'_>, prices: &Prices) -> Vec<Co
                 rule: Rule::Day { day },
                 used: seconds(draft.used(day)),
                 limit: seconds(limit),
-                shadow_price: price / seconds(limit),
+                shadow_price: if limit > 0 { price / seconds(limit) } else { 0.0 },
             });
         }
     }

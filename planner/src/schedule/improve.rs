@@ -1,43 +1,84 @@
-//! From the relaxation to a schedule, and exchanges until none helps.
+//! A schedule from the relaxation, and exchanges until none helps.
 //!
-//! Method: sessions enter in order of their relaxed value in steps of 1e-4, then by value per
-//! reserved time, then by position: ties fall the same way every time. Then, region by region, a day
-//! long and a quarter apart, all sessions that start inside are taken out and the best set for the
-//! region, given all that stands outside, is looked for by exact search. Passes repeat until none
-//! changes anything.
+//! Method: [`round`] takes sessions in order of their relaxed share in steps of 1e-4, then by value
+//! per reserved time, then by position: ties fall the same way every time. [`improve`] slides a span
+//! as long as a cell over the mission by a quarter of its length; all sessions that start inside are
+//! taken out, and the best set given all that stands outside, found by exact search, is put in.
+//! Passes repeat until one changes nothing.
 //!
-//! Limits: at most [`PASSES`] passes, [`NODES`] nodes per region.
+//! Limits: at most the given number of passes, and [`NODES`] nodes per search.
 
-use super::Stopped;
 use super::draft::Draft;
 use super::model::Model;
-use super::number::{f64_from_i64, i64_from_f64};
+use super::number::{f64_from_i64, i64_from_f64, i64_from_usize};
 use super::price::Prices;
 use super::relaxation::Relaxed;
-use super::search::{Item, Region, search};
+use super::search::{Effort, Item, Region, search};
+use rayon::prelude::*;
 use std::cmp::Reverse;
 
-/// Length of a region, a day.
-const REGION_NS: i64 = 86_400_000_000_000;
-/// Regions begin so far apart.
-const STRIDE_NS: i64 = REGION_NS / 4;
-/// Most passes over the mission.
-const PASSES: usize = 3;
-/// Most nodes of one region's search.
+/// Most nodes of one search.
 const NODES: usize = 1_000;
+/// Shares count in steps of 1e-4.
+const SHARE_STEPS: f64 = 1e4;
+/// Offsets of the running sum tried in rounding.
+const OFFSETS: i64 = 4;
+/// Spans in the length of a cell.
+const SLIDES: i64 = 4;
 
-/// A schedule by rounding the relaxation.
+/// Prices, and what each session is worth beyond what it pays.
+#[derive(Debug)]
+pub(super) struct Priced<'a> {
+    prices: &'a Prices,
+    reduced: Vec<i64>,
+}
+
+impl<'a> Priced<'a> {
+    pub(super) fn new(model: &Model, prices: &'a Prices) -> Self {
+        let sessions = model.sessions.iter();
+        Self { prices, reduced: sessions.map(|it| it.value - prices.of(model, it)).collect() }
+    }
+}
+
+/// The best schedule by rounding the relaxation in several ways; nothing more fits into it.
+///
+/// First by share alone. Then by the running sum of the shares, which a session steps over an
+/// integer plus an offset or not: so every window holds at most its relaxed number, rounded up.
 pub(super) fn round<'a>(model: &'a Model, relaxed: &Relaxed) -> Draft<'a> {
-    let mut draft = Draft::new(model);
-    let mut order: Vec<_> = model
-        .sessions
-        .iter()
-        .enumerate()
+    let share = |id: usize| i64_from_f64((relaxed.shares[id] * SHARE_STEPS).round());
+    let ways = if model.count.is_some() { OFFSETS } else { 0 };
+    let drafts: Vec<Draft<'a>> = (0..=ways)
+        .into_par_iter()
+        .map(|way| {
+            let mut draft = Draft::new(model);
+            let offset = f64_from_i64(2 * way - 1) / f64_from_i64(2 * OFFSETS);
+            let mut sum = offset;
+            let stepped: Vec<bool> = relaxed
+                .shares
+                .iter()
+                .map(|share| {
+                    let before = sum.floor();
+                    sum += share.clamp(0.0, 1.0);
+                    way > 0 && sum.floor() > before
+                })
+                .collect();
+            let first = i64_from_f64(2.0 * SHARE_STEPS);
+            fill_up(&mut draft, model, |id| share(id) + if stepped[id] { first } else { 0 });
+            draft
+        })
+        .collect();
+    let best = drafts.into_iter().rev().max_by_key(Draft::value);
+    best.unwrap_or_else(|| Draft::new(model))
+}
+
+/// Adds what fits, in order of rank, then of value per reserved time.
+fn fill_up(draft: &mut Draft<'_>, model: &Model, rank: impl Fn(usize) -> i64) {
+    let sessions = model.sessions.iter().enumerate();
+    let mut order: Vec<_> = sessions
+        .filter(|&(id, session)| !draft.stands(id) && draft.fits(session))
         .map(|(id, session)| {
-            let share = i64_from_f64((relaxed.shares[id] * 1e4).round());
-            let length = f64_from_i64(session.end.saturating_sub(session.start));
-            let density = f64_from_i64(session.value) / length;
-            (Reverse(share), Reverse(density.to_bits()), id)
+            let density = f64_from_i64(session.value) / f64_from_i64(session.length());
+            (Reverse(rank(id)), Reverse(density.to_bits()), id)
         })
         .collect();
     order.sort_unstable();
@@ -46,38 +87,60 @@ pub(super) fn round<'a>(model: &'a Model, relaxed: &Relaxed) -> Draft<'a> {
             draft.add(id);
         }
     }
-    draft
 }
 
-/// Exchanges sessions until none helps, the bound is reached, or the work is used up.
+/// Exchanges sessions in at most `passes` passes; true if nothing within a span helps any more.
+///
+/// Nothing more fits into the result.
 pub(super) fn improve(
     draft: &mut Draft<'_>,
     model: &Model,
-    prices: &Prices,
-    bound: i128,
-) -> Stopped {
+    priced: &Priced<'_>,
+    passes: usize,
+) -> bool {
+    fill_up(draft, model, |_| 0);
     let (Some(&first), Some(&last)) = (model.cells.first(), model.cells.last()) else {
-        return Stopped::Optimal;
+        return true;
     };
-    for _ in 0..PASSES {
-        if i128::from(draft.value()) >= bound {
-            return Stopped::Optimal;
-        }
+    let cells = i64_from_usize(model.cell_count().max(1));
+    let slide = (last.saturating_sub(first) / cells / SLIDES).max(1);
+    for _ in 0..passes {
         let mut changed = false;
-        let mut at = first.saturating_sub(REGION_NS - STRIDE_NS);
-        while at < last {
-            changed |= exchange(draft, model, prices, (at, at.saturating_add(REGION_NS)));
-            at = at.saturating_add(STRIDE_NS);
+        let mut from = first.saturating_sub(slide * (SLIDES - 1));
+        while from < last {
+            changed |= exchange(draft, model, priced, (from, from.saturating_add(slide * SLIDES)));
+            from = from.saturating_add(slide);
         }
+        changed |= swap(draft, model);
+        fill_up(draft, model, |_| 0);
         if !changed {
-            return Stopped::LocalOptimum;
+            return true;
         }
     }
-    if i128::from(draft.value()) >= bound { Stopped::Optimal } else { Stopped::WorkLimit }
+    false
+}
+
+/// Takes in every session that is worth more than what stands in its way; false where none is.
+fn swap(draft: &mut Draft<'_>, model: &Model) -> bool {
+    let mut order: Vec<usize> = (0..model.sessions.len()).collect();
+    order.sort_unstable_by_key(|&id| (Reverse(model.sessions[id].value), id));
+    let mut changed = false;
+    for id in order {
+        if draft.stands(id) {
+            continue;
+        }
+        let Some(blockers) = draft.cheaper_blockers(&model.sessions[id]) else { continue };
+        for blocker in blockers {
+            draft.remove(blocker);
+        }
+        draft.add(id);
+        changed = true;
+    }
+    changed
 }
 
 /// Replaces what starts in a span by something better; false where nothing is.
-fn exchange(draft: &mut Draft<'_>, model: &Model, prices: &Prices, span: (i64, i64)) -> bool {
+fn exchange(draft: &mut Draft<'_>, model: &Model, priced: &Priced<'_>, span: (i64, i64)) -> bool {
     let ids = model.starting(span.0, span.1);
     let taken: Vec<usize> = ids.clone().filter(|&id| draft.stands(id)).collect();
     let before: i64 = taken.iter().map(|&id| model.sessions[id].value).sum();
@@ -86,21 +149,18 @@ fn exchange(draft: &mut Draft<'_>, model: &Model, prices: &Prices, span: (i64, i
     }
     let items: Vec<Item> = ids
         .filter(|&id| draft.fits(&model.sessions[id]))
-        .map(|id| {
-            let session = &model.sessions[id];
-            let value = session.value;
-            Item { id, value, reduced: value - prices.of(model, session) }
-        })
+        .map(|id| Item { id, value: model.sessions[id].value, reduced: priced.reduced[id] })
         .collect();
-    let found = search(&region(draft, model, prices, items), before, NODES);
-    let better = found.value > before;
-    for &id in if better { &found.ids } else { &taken } {
+    let region = region(draft, model, priced.prices, items);
+    let found = search(&region, before, Effort { nodes: NODES, sets: 1 });
+    let better = found.sets.first();
+    for &id in better.map_or(&taken, |(_, ids)| ids) {
         draft.add(id);
     }
-    better
+    better.is_some()
 }
 
-/// The items with what the rules leave for them.
+/// The items, which come by start, with what the rules leave for them.
 fn region<'a>(
     draft: &Draft<'_>,
     model: &'a Model,
@@ -108,9 +168,9 @@ fn region<'a>(
     items: Vec<Item>,
 ) -> Region<'a> {
     let session = |item: &Item| model.sessions[item.id];
-    let from = items.iter().map(|item| session(item).start).min().unwrap_or(0);
+    let from = items.first().map_or(0, |item| session(item).start);
+    let last_start = items.last().map_or(0, |item| session(item).start);
     let until = items.iter().map(|item| session(item).end).max().unwrap_or(0);
-    let last_start = items.iter().map(|item| session(item).start).max().unwrap_or(0);
     let cells = if model.day_limit.is_some() && !items.is_empty() {
         model.cell_at(from)..model.cell_at(until - 1) + 1
     } else {
@@ -131,25 +191,13 @@ fn region<'a>(
     if let Some((count, window)) = model.count {
         let first = from.saturating_sub(window).saturating_add(1);
         starts = draft.starts(first, last_start.saturating_add(window)).collect();
-        for (at, price) in prices.windows.points() {
-            if at >= first && at <= last_start {
-                let inside = starts.partition_point(|&start| start < at.saturating_add(window))
-                    - starts.partition_point(|&start| start < at);
-                let free = i64::try_from(count.saturating_sub(inside)).unwrap_or(i64::MAX);
-                worth = worth.saturating_add(price.saturating_mul(free));
-            }
+        for (at, price) in prices.windows.between(first, last_start.saturating_add(1)) {
+            let inside = starts.partition_point(|&start| start < at.saturating_add(window))
+                - starts.partition_point(|&start| start < at);
+            let free = i64_from_usize(count.saturating_sub(inside));
+            worth = worth.saturating_add(price.saturating_mul(free));
         }
     }
-    Region { model, items, worth, cells, left, starts, from }
-}
-
-/// Adds what still fits, the most valuable first, so that a rule excludes every session left out.
-pub(super) fn complete(draft: &mut Draft<'_>, model: &Model) {
-    let mut order: Vec<usize> = (0..model.sessions.len()).filter(|&id| !draft.stands(id)).collect();
-    order.sort_by_key(|&id| (Reverse(model.sessions[id].value), id));
-    for id in order {
-        if draft.fits(&model.sessions[id]) {
-            draft.add(id);
-        }
-    }
+    let filled = cells.len();
+    Region { model, items, worth, cells, left, filled, starts, from }
 }

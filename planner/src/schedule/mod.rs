@@ -4,39 +4,51 @@
 //! from its first entry less the setup to its last exit plus the cooldown. The objective is the sum
 //! of weight times dwell in seconds; [`Rules`] say which sessions may stand together.
 //!
-//! Method: candidates that no schedule can hold are set aside (`model.rs`). Prices for the rules
-//! come from the linear relaxation (`relaxation.rs`, Clarabel). From them follow an upper bound on
-//! every schedule (`bound.rs`) and a first schedule that exact searches over a day at a time improve
-//! (`draft.rs`, `improve.rs`, `search.rs`). The result is checked by `check.rs`, which
-//! shares no code with the rest, and each candidate left out gets the rule that excludes it
-//! (`explain.rs`). All arithmetic on time is in integer nanoseconds, on value in integers.
+//! Method: candidates that no schedule can hold are set aside (`model.rs`). Prices for the rules come
+//! from the linear relaxation (`relaxation.rs`, Clarabel). An upper bound on every schedule follows
+//! from them (`bound.rs`), and a sharper one by searching each day exactly with what joins the days
+//! priced (`split.rs`, `search.rs`). Two schedules, one by rounding the relaxation, one joined from
+//! the days' best sets (`assemble.rs`), are improved by exchanges (`improve.rs`), mixed and improved
+//! again. The result is checked by `check.rs`, which shares no code with the rest, and each
+//! candidate left out gets the rule that excludes it (`explain.rs`). All arithmetic on time is in
+//! integer nanoseconds, on value in integers.
 //!
 //! Limits: effort is bounded by counts of work, never by a clock, so equal input gives equal
 //! output. The schedule need not be the best one; the bound holds for any prices, whatever the
 //! solver did. Gaps reached are stated and held by `tests/schedule.rs`.
 
-mod bound;
-mod check;
-mod draft;
-mod explain;
-mod fill;
-mod improve;
-mod model;
 mod number;
+mod model;
 mod price;
+mod bound;
 mod relaxation;
+mod fill;
 mod search;
+mod split;
+mod draft;
+mod assemble;
+mod improve;
+mod explain;
+mod check;
 
 pub use check::{Violation, check};
 pub use explain::{Because, ConstraintUse, Rejection, Rule};
 
+use draft::Draft;
+use improve::Priced;
 use model::Model;
 use onboard_core::time::{Duration, Instant};
+use relaxation::Relaxed;
 use std::fmt;
 use thiserror::Error;
 
 /// Most candidates in one problem.
 pub const MAX_CANDIDATES: usize = 1 << 21;
+
+/// A schedule within one part in this many of the bound is good enough.
+const CLOSE: i128 = 100_000;
+/// Most passes of exchanges over the schedule that was rounded, assembled, and mixed of both.
+const PASSES: (usize, usize, usize) = (3, 1, 2);
 
 /// One opportunity, as far as scheduling is concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,11 +121,13 @@ pub struct Problem {
 pub enum Stopped {
     /// The schedule reaches the bound: no other is better.
     Optimal,
-    /// No exchange within a few days improves the schedule.
+    /// The schedule is within a hundred-thousandth of the bound.
+    Close,
+    /// No exchange within a day improves the schedule.
     LocalOptimum,
     /// The limit on the work was reached.
     WorkLimit,
-    /// The relaxation could not be solved: the bound is the one without prices.
+    /// The relaxation could not be solved: bound and schedule do without its prices.
     NoRelaxation,
 }
 
@@ -121,9 +135,12 @@ impl fmt::Display for Stopped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Optimal => "optimal: no schedule is better",
-            Self::LocalOptimum => "no exchange within a few days improves the schedule",
+            Self::Close => "the schedule is within a hundred-thousandth of the bound",
+            Self::LocalOptimum => "no exchange within a day improves the schedule",
             Self::WorkLimit => "the limit on the search's work was reached",
-            Self::NoRelaxation => "the relaxation could not be solved, so the bound is a loose one",
+            Self::NoRelaxation => {
+                "the relaxation could not be solved, so bound and schedule do without its prices"
+            }
         })
     }
 }
@@ -295,26 +312,14 @@ pub fn schedule(problem: &Problem) -> Result<Schedule, ScheduleError> {
     problem.validate()?;
     let (model, mut reasons) = Model::new(problem);
     let relaxed = relaxation::solve(&model);
-    let mut draft = improve::round(&model, &relaxed);
-    let mut bound = bound::priced(&model, &relaxed.prices);
-    if i128::from(draft.value()) < bound {
-        bound = bound.min(bound::searched(&model, &relaxed.prices));
-    }
-    let ended = improve::improve(&mut draft, &model, &relaxed.prices, bound);
-    improve::complete(&mut draft, &model);
+    let (draft, bound, stopped) = best(&model, &relaxed);
     let chosen: Vec<usize> = draft.chosen().map(|id| model.sessions[id].candidate).collect();
     check(problem, &chosen).map_err(ScheduleError::Unsound)?;
     explain::left_out(&model, &draft, &mut reasons);
-    let objective = chosen
-        .iter()
-        .map(|&candidate| problem.value(candidate))
-        .fold(0.0, |sum, value| sum + value);
+    // A fold from zero: the sum of no values is otherwise minus zero.
+    let values = chosen.iter().map(|&candidate| problem.value(candidate));
+    let objective = values.fold(0.0, |sum, value| sum + value);
     let upper_bound = model.value_from_units(bound).max(objective);
-    let stopped = match ended {
-        Stopped::Optimal => Stopped::Optimal,
-        _ if !relaxed.solved => Stopped::NoRelaxation,
-        other => other,
-    };
     Ok(Schedule {
         chosen,
         objective,
@@ -324,4 +329,93 @@ pub fn schedule(problem: &Problem) -> Result<Schedule, ScheduleError> {
         rejected: explain::rejections(reasons),
         constraints: explain::usage(&model, &draft, &relaxed.prices),
     })
+}
+
+/// The best schedule found, a bound on all schedules in units, and why the search ended.
+fn best<'a>(model: &'a Model, relaxed: &Relaxed) -> (Draft<'a>, i128, Stopped) {
+    let prices = &relaxed.prices;
+    let mut bound = bound::priced(model, prices);
+    let mut rounded = improve::round(model, relaxed);
+    if let Some(stopped) = close(&rounded, bound) {
+        return (rounded, bound, stopped);
+    }
+    let reduced = Priced::new(model, prices);
+    let scale = relaxed.typical_value(model);
+    let enough = i128::from(rounded.value());
+    let (sharpened, _) = rayon::join(
+        || split::sharpen(model, prices, scale, enough),
+        || improve::improve(&mut rounded, model, &reduced, PASSES.0),
+    );
+    bound = bound.min(sharpened.bound);
+    if let Some(stopped) = close(&rounded, bound) {
+        return (rounded, bound, stopped);
+    }
+    let mut assembled = assemble::assemble(&sharpened.split, &sharpened.patterns, scale);
+    improve::improve(&mut assembled, model, &reduced, PASSES.1);
+    let mut draft = assemble::splice(&sharpened.split, &[&assembled, &rounded]);
+    let settled = improve::improve(&mut draft, model, &reduced, PASSES.2);
+    for other in [assembled, rounded] {
+        if other.value() > draft.value() {
+            draft = other;
+        }
+    }
+    let stopped = match (relaxed.solved, settled) {
+        (false, _) => Stopped::NoRelaxation,
+        (true, true) => Stopped::LocalOptimum,
+        (true, false) => Stopped::WorkLimit,
+    };
+    let stopped = close(&draft, bound).unwrap_or(stopped);
+    (draft, bound, stopped)
+}
+
+/// Whether a schedule is so close to the bound that the search may end.
+fn close(draft: &Draft<'_>, bound: i128) -> Option<Stopped> {
+    let missing = bound - i128::from(draft.value());
+    if missing <= 0 {
+        Some(Stopped::Optimal)
+    } else {
+        (missing <= bound / CLOSE).then_some(Stopped::Close)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_relaxation_schedule_and_bound_still_hold() {
+        let at = Instant::from_tai_ns;
+        let times = [(0, 30), (20, 60), (55, 90), (95, 130), (100, 190)];
+        let candidates = times.map(|(entry, exit)| Candidate {
+            target: 0,
+            telescope: 0,
+            first_entry: at(entry),
+            last_exit: at(exit),
+            dwell: Duration::from_ns(exit - entry),
+        });
+        let problem = Problem {
+            span: (at(0), at(200)),
+            candidates: candidates.to_vec(),
+            weights: vec![1.0],
+            rules: Rules {
+                setup: Duration::ZERO,
+                cooldown: Duration::ZERO,
+                exclusive: Exclusive::All,
+                max_per_day: Some(Duration::from_ns(95)),
+                max_sessions: None,
+                day_boundaries: vec![at(0), at(100), at(200)],
+            },
+        };
+        let (model, _) = Model::new(&problem);
+        let relaxed =
+            Relaxed { prices: price::Prices::none(&model), shares: vec![0.0; 5], solved: false };
+        let (draft, bound, stopped) = best(&model, &relaxed);
+        let chosen: Vec<usize> = draft.chosen().map(|id| model.sessions[id].candidate).collect();
+        assert_eq!(check(&problem, &chosen), Ok(()));
+        // 0 to 30, 55 to 90 and 100 to 190 is the best: 155 ns.
+        assert_eq!(chosen, [0, 2, 4]);
+        let objective: f64 = chosen.iter().map(|&index| problem.value(index)).sum();
+        assert!(model.value_from_units(bound) >= objective);
+        assert!(matches!(stopped, Stopped::NoRelaxation | Stopped::Optimal | Stopped::Close));
+    }
 }

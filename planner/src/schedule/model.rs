@@ -35,7 +35,12 @@ pub(super) struct Session {
 }
 
 impl Session {
-    pub(super) const fn overlaps(&self, other: &Self) -> bool {
+    /// Reserved time in ns, positive.
+    pub(super) const fn length(&self) -> i64 {
+        self.end.saturating_sub(self.start)
+    }
+
+    const fn overlaps(&self, other: &Self) -> bool {
         self.start < other.end && other.start < self.end
     }
 }
@@ -55,6 +60,8 @@ pub(super) struct Model {
     pub(super) count: Option<(usize, i64)>,
     /// Telescope of each lane; `None` where one lane holds all.
     pub(super) lane_names: Vec<Option<usize>>,
+    /// Longest reserved time of a session in ns.
+    pub(super) longest: i64,
     /// Length of the mission in ns.
     pub(super) span_ns: i64,
     /// Value of the most valuable session.
@@ -86,12 +93,13 @@ impl Model {
             })
             .collect();
         sessions.sort_unstable_by_key(|it| (it.start, it.end, it.lane, it.candidate));
-        let longest = sessions.iter().map(|it| it.end.saturating_sub(it.start)).max();
+        let longest = sessions.iter().map(Session::length).max().unwrap_or(0);
         let model = Self {
-            cells: cells(problem, longest.unwrap_or(0)),
+            cells: cells(problem, longest),
             sessions,
             lanes: lane_names.len(),
             lane_names,
+            longest,
             span_ns: problem.span.1.since(problem.span.0).ns(),
             day_limit: rules.max_per_day.map(Duration::ns),
             count: rules
@@ -100,6 +108,11 @@ impl Model {
             largest,
         };
         (model, reasons)
+    }
+
+    /// Whether two sessions must not stand together because they overlap.
+    pub(super) const fn clash(&self, a: &Session, b: &Session) -> bool {
+        self.lanes > 0 && a.lane == b.lane && a.overlaps(b)
     }
 
     /// Number of cells.
@@ -121,6 +134,12 @@ impl Model {
                 let (from, until) = (self.cells[cell], self.cells[cell + 1]);
                 (cell, until.min(end).saturating_sub(from.max(start)))
             })
+    }
+
+    /// Time of a session in one cell, ns.
+    pub(super) fn share(&self, session: &Session, cell: usize) -> i64 {
+        let (from, until) = (self.cells[cell], self.cells[cell + 1]);
+        until.min(session.end).saturating_sub(from.max(session.start)).max(0)
     }
 
     /// Identifiers of the sessions that start in `[from, until)`.

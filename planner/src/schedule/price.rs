@@ -66,7 +66,14 @@ impl Ladder {
 
     /// The instants and their prices.
     pub(super) fn points(&self) -> impl Iterator<Item = (i64, i64)> + '_ {
-        self.at.iter().zip(self.below.windows(2)).map(|(&at, pair)| (at, pair[1] - pair[0]))
+        self.between(i64::MIN, i64::MAX)
+    }
+
+    /// The instants in `[from, until)` and their prices.
+    pub(super) fn between(&self, from: i64, until: i64) -> impl Iterator<Item = (i64, i64)> + '_ {
+        let first = self.at.partition_point(|&at| at < from);
+        let points = self.at[first..].iter().zip(self.below[first..].windows(2));
+        points.take_while(move |(at, _)| **at < until).map(|(&at, pair)| (at, pair[1] - pair[0]))
     }
 }
 

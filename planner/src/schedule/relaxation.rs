@@ -1,31 +1,42 @@
 //! Prices from the linear relaxation, solved by Clarabel. No other module sees the solver.
 //!
 //! Method: maximise `w . x` over `0 <= x <= 1` under one row per maximal clique of overlapping
-//! reserved intervals on a lane, one per day with a limit, and one per sliding window, windows an
-//! eighth of their length apart. Rows are scaled to a right-hand side of about one and values to at
-//! most one. All rules reach only days, so the mission is solved in parts of [`PART_CELLS`] cells,
-//! each with [`MARGIN_CELLS`] more on either side; a part gives the prices and shares of its own
-//! cells. Prices hold for all sessions wherever they come from, since each belongs to an instant, a
-//! cell or a window and not to a matrix.
+//! reserved intervals on a lane, one per day with a limit, and one per sliding window, windows at
+//! most [`MOST_APART`] apart. Long windows are differences of a running number of starts, so that
+//! their rows stay short. Rows are scaled to a right-hand side of about one and
+//! values to at most one. With a day limit, where few sessions can stand, the solver sees only some:
+//! the densest and most valuable of each cell at first, then those whose value exceeds what they
+//! would pay at the prices found, until these hardly matter. The prices hold for all sessions, since
+//! each belongs to an instant, a cell or a window and not to a matrix.
 //!
 //! Limits: prices are approximate and need not be optimal; nothing relies on them but the quality
-//! of bound and schedule. A part whose solver fails has no prices.
+//! of bound and schedule. Where the solver fails, the prices of the round before stay, or none.
 
+use super::bound::priced;
 use super::model::Model;
-use super::number::{f64_from_i64, i64_from_usize};
+use super::number::{f64_from_i64, f64_from_i128, i64_from_usize};
 use super::price::{Ladder, Prices};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
-    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
+    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
 };
-use rayon::prelude::*;
 
 /// One unit of the relaxation's objective, in units of value.
 const UNIT: f64 = 1_099_511_627_776.0;
-/// Cells that one part prices.
-const PART_CELLS: usize = 24;
-/// Cells on either side that it sees besides.
-const MARGIN_CELLS: usize = 3;
+/// Most rounds of adding sessions.
+const ROUNDS: usize = 6;
+/// Sessions left out may raise the bound by this share.
+const LEFT_OUT: f64 = 1e-2;
+/// The densest sessions of each cell that the first round sees, and the most valuable.
+const FIRST: (usize, usize) = (12, 4);
+/// Windows with a row in the length of a window, at least.
+const WINDOWS: i64 = 24;
+/// Windows with a row stand at most this far apart, ns.
+const MOST_APART: i64 = 10_800_000_000_000;
+/// Tolerance with a day limit, where a sharper bound follows, and without.
+const TOLERANCE: (f64, f64) = (1e-4, 1e-7);
+/// Most iterations of the solver.
+const ITERATIONS: u32 = 100;
 
 /// Prices, and the share of each session in the relaxed schedule.
 #[derive(Debug)]
@@ -37,105 +48,114 @@ pub(super) struct Relaxed {
     pub(super) solved: bool,
 }
 
+impl Relaxed {
+    /// Mean value in units of the sessions in the relaxed schedule.
+    pub(super) fn typical_value(&self, model: &Model) -> f64 {
+        let (mut values, mut shares) = (0.0, 0.0);
+        for (session, share) in model.sessions.iter().zip(&self.shares) {
+            let share = share.clamp(0.0, 1.0);
+            values += share * f64_from_i64(session.value);
+            shares += share;
+        }
+        if shares > 1e-3 { values / shares } else { UNIT }
+    }
+}
+
 /// Prices and shares from the linear relaxation.
 pub(super) fn solve(model: &Model) -> Relaxed {
-    let cells = model.cell_count();
-    let parts: Vec<(usize, Option<Part>)> = (0..cells)
-        .into_par_iter()
-        .step_by(PART_CELLS)
-        .map(|first| (first, solve_part(model, first, (first + PART_CELLS).min(cells))))
-        .collect();
-    let mut relaxed = Relaxed {
-        prices: Prices::none(model),
-        shares: vec![0.0; model.sessions.len()],
-        solved: parts.iter().all(|(_, part)| part.is_some()),
-    };
-    let mut points = vec![Vec::new(); model.lanes];
-    let mut windows = Vec::new();
-    for part in parts.into_iter().filter_map(|(_, part)| part) {
-        for (points, more) in points.iter_mut().zip(part.instants) {
-            points.extend(more);
-        }
-        windows.extend(part.windows);
-        if let Some(limit) = model.day_limit {
-            for (cell, price) in part.cells {
-                relaxed.prices.set_cell(cell, price, limit);
-            }
-        }
-        for (id, share) in part.shares {
+    let total = model.sessions.len();
+    let mut relaxed =
+        Relaxed { prices: Prices::none(model), shares: vec![0.0; total], solved: total == 0 };
+    if total == 0 {
+        return relaxed;
+    }
+    let mut inside = first_sessions(model);
+    for _ in 0..ROUNDS {
+        let ids: Vec<usize> = (0..total).filter(|&id| inside[id]).collect();
+        let Some((prices, shares)) = solve_over(model, &ids) else { break };
+        relaxed.prices = prices;
+        relaxed.solved = true;
+        relaxed.shares.fill(0.0);
+        for (&id, share) in ids.iter().zip(shares) {
             relaxed.shares[id] = share;
         }
+        let mut missing = 0_i128;
+        for (id, session) in model.sessions.iter().enumerate() {
+            let surplus = session.value - relaxed.prices.of(model, session);
+            if !inside[id] && surplus > 0 {
+                missing += i128::from(surplus);
+                inside[id] = true;
+            }
+        }
+        let bound = priced(model, &relaxed.prices);
+        if f64_from_i128(missing) <= LEFT_OUT * f64_from_i128(bound) {
+            break;
+        }
     }
-    relaxed.prices.lanes =
-        points.into_iter().map(|points| Ladder::new(points.into_iter())).collect();
-    relaxed.prices.windows = Ladder::new(windows.into_iter());
     relaxed
 }
 
-/// What one part of the mission tells: prices in units, by instant or cell, and shares by session.
-struct Part {
-    instants: Vec<Vec<(i64, f64)>>,
-    cells: Vec<(usize, f64)>,
-    windows: Vec<(i64, f64)>,
-    shares: Vec<(usize, f64)>,
+/// The sessions that the first round sees.
+fn first_sessions(model: &Model) -> Vec<bool> {
+    let total = model.sessions.len();
+    if model.day_limit.is_none() {
+        return vec![true; total];
+    }
+    let mut inside = vec![false; total];
+    for cell in 0..model.cell_count() {
+        let mut ids: Vec<usize> =
+            model.starting(model.cells[cell], model.cells[cell + 1]).collect();
+        let density = |id: usize| {
+            let session = &model.sessions[id];
+            f64_from_i64(session.value) / f64_from_i64(session.length())
+        };
+        ids.sort_by(|&a, &b| density(b).total_cmp(&density(a)));
+        for &id in ids.iter().take(FIRST.0) {
+            inside[id] = true;
+        }
+        ids.sort_by_key(|&id| std::cmp::Reverse(model.sessions[id].value));
+        for &id in ids.iter().take(FIRST.1) {
+            inside[id] = true;
+        }
+    }
+    inside
 }
 
-/// Solves the cells `first..last` with their margins; `None` where the solver fails.
-fn solve_part(model: &Model, first: usize, last: usize) -> Option<Part> {
-    let wide_first = first.saturating_sub(MARGIN_CELLS);
-    let wide_last = (last + MARGIN_CELLS).min(model.cell_count());
-    let ids: Vec<usize> = model.starting(model.cells[wide_first], model.cells[wide_last]).collect();
-    let (rows, dual, shares) = if ids.is_empty() {
-        (Rows::new(model, &ids), Vec::new(), Vec::new())
-    } else {
-        solve_over(model, &ids)?
-    };
-    let (from, until) = (model.cells[first], model.cells[last]);
-    let own = |at: &i64| (from..until).contains(at);
-    let priced = |points: &[i64], row: usize, unit: f64| -> Vec<(i64, f64)> {
-        let prices = points.iter().zip(&dual[row..]);
-        prices.filter(|(at, _)| own(at)).map(|(&at, z)| (at, z * unit)).collect()
-    };
-    let count = model.count.map_or(1, |(count, _)| count);
-    Some(Part {
-        instants: rows.instants.iter().map(|(points, row)| priced(points, *row, UNIT)).collect(),
-        cells: (first..last)
-            .filter_map(|cell| rows.cells[cell].map(|row| (cell, dual[row] * UNIT)))
-            .collect(),
-        windows: priced(
-            &rows.windows.0,
-            rows.windows.1,
-            UNIT / f64_from_i64(i64_from_usize(count)),
-        ),
-        shares: ids
-            .into_iter()
-            .zip(shares)
-            .filter(|(id, _)| own(&model.sessions[*id].start))
-            .collect(),
-    })
-}
-
-/// The rows of a relaxation, each with the prices' place that its dual goes to.
+/// The rows of a relaxation, and the place of the price that each row's dual goes to.
+///
+/// First the equalities that define the running number of starts, then the limits.
 struct Rows {
+    /// First instants of the windows, ascending.
+    windows: Vec<i64>,
+    /// Where starts are counted up: all first and last instants of windows, ascending; empty where
+    /// windows are so short that each session can stand in the rows of all of its own.
+    marks: Vec<i64>,
     /// Instants of the clique rows per lane, ascending, and the number of their first row.
     instants: Vec<(Vec<i64>, usize)>,
     /// Number of the row of each cell.
     cells: Vec<Option<usize>>,
-    /// First instants of the windows, ascending, and the number of their first row.
-    windows: (Vec<i64>, usize),
+    /// Number of the first window's row.
+    first_window: usize,
     /// Number of rows.
     count: usize,
 }
 
 impl Rows {
     fn new(model: &Model, ids: &[usize]) -> Self {
-        let mut count = 0;
+        let windows = window_starts(model, ids);
+        let length = model.count.map_or(0, |(_, window)| window);
+        let mut marks: Vec<i64> = Vec::new();
+        if length / WINDOWS > MOST_APART {
+            let ends = windows.iter().map(|at| at.saturating_add(length));
+            marks.extend(windows.iter().copied().chain(ends));
+        }
+        marks.sort_unstable();
+        marks.dedup();
+        let mut count = marks.len().saturating_sub(1);
         let instants = (0..model.lanes)
             .map(|lane| {
-                let points = cliques(
-                    model,
-                    ids.iter().copied().filter(|&id| model.sessions[id].lane == lane),
-                );
+                let on_lane = ids.iter().copied().filter(|&id| model.sessions[id].lane == lane);
+                let points = cliques(model, on_lane);
                 let first = count;
                 count += points.len();
                 (points, first)
@@ -153,15 +173,19 @@ impl Rows {
                 count += 1;
             }
         }
-        let windows = (window_starts(model, ids), count);
-        count += windows.0.len();
-        Self { instants, cells, windows, count }
+        let first_window = count;
+        count += windows.len();
+        Self { windows, marks, instants, cells, first_window, count }
     }
 
     /// Rows and coefficients of a session, rows ascending.
     fn of(&self, model: &Model, id: usize) -> Vec<(usize, f64)> {
         let session = &model.sessions[id];
         let mut entries = Vec::new();
+        let mark = self.marks.partition_point(|&at| at <= session.start);
+        if mark > 0 && mark < self.marks.len() {
+            entries.push((mark - 1, -1.0));
+        }
         if let Some((points, first)) = self.instants.get(session.lane) {
             let from = points.partition_point(|&at| at < session.start);
             let until = points.partition_point(|&at| at < session.end);
@@ -172,15 +196,58 @@ impl Rows {
                 self.cells[cell].map(|row| (row, f64_from_i64(ns) / f64_from_i64(limit)))
             }));
         }
-        if let Some((count, window)) = model.count {
-            let (points, first) = &self.windows;
+        if let (Some((count, window)), true) = (model.count, self.marks.is_empty()) {
             let oldest = session.start.saturating_sub(window);
-            let from = points.partition_point(|&at| at <= oldest);
-            let until = points.partition_point(|&at| at <= session.start);
+            let from = self.windows.partition_point(|&at| at <= oldest);
+            let until = self.windows.partition_point(|&at| at <= session.start);
             let share = 1.0 / f64_from_i64(i64_from_usize(count));
-            entries.extend((from..until).map(|place| (first + place, share)));
+            entries.extend((from..until).map(|place| (self.first_window + place, share)));
         }
         entries
+    }
+
+    /// Rows and coefficients of the running number y of starts at each mark but the first, where it
+    /// is zero: `y[k + 1] - y[k] - starts between = 0`, `(y[end] - y[start]) / count <= 1`.
+    fn of_marks(&self, model: &Model) -> Vec<Vec<(usize, f64)>> {
+        let mut entries = vec![Vec::new(); self.marks.len()];
+        for row in 1..self.marks.len() {
+            entries[row - 1].push((row - 1, -1.0));
+            entries[row].push((row - 1, 1.0));
+        }
+        // The row that ends at a mark comes before the row that starts at it.
+        for column in &mut entries {
+            column.sort_unstable_by_key(|entry| entry.0);
+        }
+        if let (Some((count, window)), false) = (model.count, self.marks.is_empty()) {
+            let share = 1.0 / f64_from_i64(i64_from_usize(count));
+            for (place, &at) in self.windows.iter().enumerate() {
+                let row = self.first_window + place;
+                let end = at.saturating_add(window);
+                entries[self.marks.partition_point(|&mark| mark < at)].push((row, -share));
+                entries[self.marks.partition_point(|&mark| mark < end)].push((row, share));
+            }
+        }
+        entries.into_iter().skip(1).collect()
+    }
+
+    fn prices(&self, model: &Model, dual: &[f64]) -> Prices {
+        let ladder = |points: &[i64], first: usize, unit: f64| {
+            Ladder::new(points.iter().zip(&dual[first..]).map(|(&at, z)| (at, z * unit)))
+        };
+        let mut prices = Prices::none(model);
+        for (prices, (points, first)) in prices.lanes.iter_mut().zip(&self.instants) {
+            *prices = ladder(points, *first, UNIT);
+        }
+        for (cell, row) in self.cells.iter().enumerate() {
+            if let (Some(row), Some(limit)) = (row, model.day_limit) {
+                prices.set_cell(cell, dual[*row] * UNIT, limit);
+            }
+        }
+        if let Some((count, _)) = model.count {
+            let unit = UNIT / f64_from_i64(i64_from_usize(count));
+            prices.windows = ladder(&self.windows, self.first_window, unit);
+        }
+        prices
     }
 }
 
@@ -207,61 +274,69 @@ fn cliques(model: &Model, ids: impl Iterator<Item = usize>) -> Vec<i64> {
 /// First instants of the windows that get a row.
 fn window_starts(model: &Model, ids: &[usize]) -> Vec<i64> {
     let Some((count, window)) = model.count else { return Vec::new() };
+    let apart = (window / WINDOWS).min(MOST_APART);
     let mut points: Vec<i64> = Vec::new();
     for (place, &id) in ids.iter().enumerate() {
         let start = model.sessions[id].start;
-        let apart = points.last().is_none_or(|&last| start.saturating_sub(last) >= window / 8);
+        let next = points.last().is_none_or(|&last| start.saturating_sub(last) >= apart);
         let crowded = ids
             .get(place.saturating_add(count))
             .is_some_and(|&other| model.sessions[other].start < start.saturating_add(window));
-        if apart && crowded {
+        if next && crowded && points.last() != Some(&start) {
             points.push(start);
         }
     }
     points
 }
 
-/// Rows, their duals and the shares of the sessions `ids`, by start; `None` where the solver fails.
-fn solve_over(model: &Model, ids: &[usize]) -> Option<(Rows, Vec<f64>, Vec<f64>)> {
+/// Prices and shares with only the sessions `ids`, by start; `None` where the solver fails.
+fn solve_over(model: &Model, ids: &[usize]) -> Option<(Prices, Vec<f64>)> {
     let rows = Rows::new(model, ids);
-    let n = ids.len();
+    let sessions = ids.len();
     // x <= 1 follows from the cliques where there are lanes.
     let capped = model.lanes == 0;
-    let mut starts = vec![0];
-    let (mut row_of, mut coefficients) = (Vec::new(), Vec::new());
+    let mut columns: Vec<Vec<(usize, f64)>> = Vec::with_capacity(sessions);
     for (column, &id) in ids.iter().enumerate() {
-        for (row, coefficient) in rows.of(model, id) {
-            row_of.push(row);
-            coefficients.push(coefficient);
-        }
-        row_of.push(rows.count + column);
-        coefficients.push(-1.0);
+        let mut entries = rows.of(model, id);
+        entries.push((rows.count + column, -1.0));
         if capped {
-            row_of.push(rows.count + n + column);
-            coefficients.push(1.0);
+            entries.push((rows.count + sessions + column, 1.0));
         }
+        columns.push(entries);
+    }
+    columns.extend(rows.of_marks(model));
+    let (mut starts, mut row_of, mut coefficients) = (vec![0], Vec::new(), Vec::new());
+    for entries in &columns {
+        row_of.extend(entries.iter().map(|entry| entry.0));
+        coefficients.extend(entries.iter().map(|entry| entry.1));
         starts.push(row_of.len());
     }
-    let height = rows.count + if capped { 2 * n } else { n };
+    let (height, width) =
+        (rows.count + if capped { 2 * sessions } else { sessions }, columns.len());
+    let equalities = rows.marks.len().saturating_sub(1);
     let mut limits = vec![1.0; height];
-    limits[rows.count..rows.count + n].fill(0.0);
-    let matrix = CscMatrix::new(height, n, starts, row_of, coefficients);
-    let costs: Vec<f64> =
+    limits[..equalities].fill(0.0);
+    limits[rows.count..rows.count + sessions].fill(0.0);
+    let matrix = CscMatrix::new(height, width, starts, row_of, coefficients);
+    let mut costs: Vec<f64> =
         ids.iter().map(|&id| -f64_from_i64(model.sessions[id].value) / UNIT).collect();
+    costs.resize(width, 0.0);
+    let tolerance = if model.day_limit.is_some() { TOLERANCE.0 } else { TOLERANCE.1 };
     let settings = DefaultSettingsBuilder::default()
         .verbose(false)
-        .tol_gap_rel(1e-6)
-        .tol_gap_abs(1e-6)
-        .tol_feas(1e-7)
-        .max_iter(60)
+        .tol_gap_rel(tolerance)
+        .tol_gap_abs(tolerance)
+        .tol_feas(tolerance)
+        .max_iter(ITERATIONS)
         .build()
         .ok()?;
-    let cones = [NonnegativeConeT(height)];
-    let squares = CscMatrix::zeros((n, n));
+    let cones = [ZeroConeT(equalities), NonnegativeConeT(height - equalities)];
+    let squares = CscMatrix::zeros((width, width));
     let mut solver =
         DefaultSolver::new(&squares, &costs, &matrix, &limits, &cones, settings).ok()?;
     solver.solve();
-    let usable =
-        matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-    usable.then(|| (rows, solver.solution.z.clone(), solver.solution.x.clone()))
+    let solution = &solver.solution;
+    let usable = matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+    let shares = solution.x.iter().take(sessions).copied().collect();
+    usable.then(|| (rows.prices(model, &solution.z), shares))
 }

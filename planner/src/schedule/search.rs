@@ -1,4 +1,4 @@
-//! The best choice among a few sessions, and a bound on it, by exact search.
+//! The best choices among a few sessions, and a bound on them, by exact search.
 //!
 //! A **region** is a set of sessions that may be added to what already stands, with what the rules
 //! leave for them. The search walks over sets of sessions that stand together, one session added per
@@ -10,9 +10,9 @@
 //! positive ones that remain), or the best filling of the time and places left by sessions not yet
 //! looked at, overlap ignored, from a table (`fill.rs`).
 //!
-//! Limits: at most `nodes` nodes; the bound returned then covers what was not visited.
+//! Limits: at most [`Effort::nodes`] nodes; the bound returned then covers what was not visited.
 
-use super::fill::{Fill, Kind, Piece};
+use super::fill::{Fill, Kind, Piece, promising};
 use super::model::{Model, Session};
 use std::cmp::Reverse;
 use std::ops::Range;
@@ -39,20 +39,30 @@ pub(super) struct Region<'a> {
     pub(super) cells: Range<usize>,
     /// Time left in each of these cells, ns; empty without a day limit.
     pub(super) left: Vec<i64>,
+    /// How many of these cells, from the first, the filling counts as one.
+    pub(super) filled: usize,
     /// Starts that already stand and may share a window with an item, ascending.
     pub(super) starts: Vec<i64>,
     /// Where the region begins: items that start earlier all hold this instant reserved.
     pub(super) from: i64,
 }
 
+/// How much work a search may do, and what for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Effort {
+    /// Most nodes.
+    pub(super) nodes: usize,
+    /// Number of sets wanted, at least one.
+    pub(super) sets: usize,
+}
+
 /// What a search found.
 #[derive(Debug, Clone)]
 pub(super) struct Found {
-    /// The best set of sessions, as indices in the model.
-    pub(super) ids: Vec<usize>,
-    /// Its value in units.
-    pub(super) value: i64,
-    /// No set is worth more.
+    /// The best sets by value in units, as indices in the model; empty where none is better than
+    /// asked for.
+    pub(super) sets: Vec<(i64, Vec<usize>)>,
+    /// No set is worth more, or the value asked for is not exceeded by any.
     pub(super) bound: i64,
 }
 
@@ -62,7 +72,7 @@ struct Choice {
     session: Session,
     item: Item,
     kind: Kind,
-    /// Time in the region's cells, if limited, ns.
+    /// Time in the cells that the filling counts, ns.
     time: i64,
     /// Where its time in all cells stands in [`Walk::parts`].
     parts: (usize, usize),
@@ -70,7 +80,8 @@ struct Choice {
 
 #[derive(Debug)]
 struct Walk<'a> {
-    model: &'a Model,
+    region: &'a Region<'a>,
+    effort: Effort,
     choices: Vec<Choice>,
     /// (cell of the region, ns) of all choices.
     parts: Vec<(usize, i64)>,
@@ -80,29 +91,26 @@ struct Walk<'a> {
     /// Most counted choices that may still be added.
     places: usize,
     path: Vec<usize>,
-    found: Found,
+    sets: Vec<(i64, Vec<usize>)>,
+    /// Only sets worth more are wanted.
+    threshold: i64,
     /// Largest bound of a branch that was not visited.
     unvisited: i64,
-    nodes: usize,
 }
 
-/// The best set of items worth more than `at_least`, and a bound on all sets.
-///
-/// Where none is worth more, the set returned is empty and its value is `at_least`.
-pub(super) fn search(region: &Region<'_>, at_least: i64, nodes: usize) -> Found {
-    let places = match region.model.count {
-        Some((count, window)) => {
-            let until = region.from.saturating_add(window);
-            let stand = region.starts.iter().filter(|start| (region.from..until).contains(*start));
-            count.saturating_sub(stand.count())
-        }
-        None => usize::MAX,
-    };
+/// The best sets of items worth more than `at_least`, and a bound on all sets.
+pub(super) fn search(region: &Region<'_>, at_least: i64, effort: Effort) -> Found {
+    let places = region.model.count.map_or(usize::MAX, |(count, window)| {
+        let until = region.from.saturating_add(window);
+        let stand = region.starts.iter().filter(|start| (region.from..until).contains(*start));
+        count.saturating_sub(stand.count())
+    });
     let mut parts = Vec::new();
     let useful = region.items.iter().filter(|item| item.value > 0);
     let choices: Vec<_> = useful.map(|&item| choice(region, item, &mut parts)).collect();
     let mut walk = Walk {
-        model: region.model,
+        region,
+        effort,
         choices,
         parts,
         fill: Fill::default(),
@@ -110,16 +118,15 @@ pub(super) fn search(region: &Region<'_>, at_least: i64, nodes: usize) -> Found 
         starts: region.starts.clone(),
         places,
         path: Vec::new(),
-        found: Found { ids: Vec::new(), value: at_least, bound: at_least },
-        unvisited: i64::MIN,
-        nodes,
+        sets: Vec::new(),
+        threshold: at_least,
+        unvisited: at_least,
     };
     walk.prepare();
     let open: Vec<usize> = (0..walk.choices.len()).collect();
     walk.visit(&open, 0, region.worth);
-    let Walk { mut found, unvisited, .. } = walk;
-    found.bound = found.value.max(unvisited);
-    found
+    let best = walk.sets.first().map_or(at_least, |set| set.0);
+    Found { bound: best.max(walk.unvisited), sets: walk.sets }
 }
 
 fn choice(region: &Region<'_>, item: Item, parts: &mut Vec<(usize, i64)>) -> Choice {
@@ -127,10 +134,14 @@ fn choice(region: &Region<'_>, item: Item, parts: &mut Vec<(usize, i64)>) -> Cho
     let first = parts.len();
     if !region.left.is_empty() {
         let inside = region.model.shares(&session);
-        let counted = inside.filter(|(cell, _)| region.cells.contains(cell));
-        parts.extend(counted.map(|(cell, ns)| (cell - region.cells.start, ns)));
+        parts.extend(
+            inside
+                .filter(|(cell, _)| region.cells.contains(cell))
+                .map(|(cell, ns)| (cell - region.cells.start, ns)),
+        );
     }
-    let time: i64 = parts[first..].iter().map(|part| part.1).sum();
+    let filled = parts[first..].iter().filter(|part| part.0 < region.filled);
+    let time: i64 = filled.map(|part| part.1).sum();
     let counted = region
         .model
         .count
@@ -152,11 +163,9 @@ impl Walk<'_> {
         choices.retain(|choice| self.fits(choice));
         let time_left = self.time_left();
         let pieces: Vec<Piece> = choices.iter().map(Choice::piece).collect();
-        let worst = self.found.value;
-        let keep = super::fill::promising(&pieces, time_left, self.places, worst);
-        let mut keep = keep.into_iter();
+        let mut keep = promising(&pieces, time_left, self.places, self.threshold).into_iter();
         choices.retain(|_| keep.next().unwrap_or(true));
-        let limited = time_left < i64::MAX;
+        let limited = time_left.is_some();
         choices.sort_unstable_by_key(|it| {
             let group = if let Kind::Head(lane) = it.kind { lane } else { usize::MAX };
             let first = if limited { it.item.value } else { it.item.reduced };
@@ -167,48 +176,43 @@ impl Walk<'_> {
         self.choices = choices;
     }
 
-    /// Time left in all cells; the largest number where no limit holds.
-    fn time_left(&self) -> i64 {
-        if self.left.is_empty() {
-            return i64::MAX;
-        }
-        self.left.iter().sum()
+    /// Time left in the cells that the filling counts; `None` where there is no limit.
+    fn time_left(&self) -> Option<i64> {
+        let filled = self.left.iter().take(self.region.filled);
+        (!self.left.is_empty()).then(|| filled.fold(0, |sum: i64, &ns| sum.saturating_add(ns)))
     }
 
     /// Whether a choice's time and start still fit what is left.
     fn fits(&self, choice: &Choice) -> bool {
         self.parts[choice.parts.0..choice.parts.1].iter().all(|&(cell, ns)| ns <= self.left[cell])
-            && self.model.count.is_none_or(|(count, window)| {
+            && self.region.model.count.is_none_or(|(count, window)| {
                 start_fits(&self.starts, choice.session.start, count, window)
             })
     }
 
     /// Visits all sets that extend the path by choices of `open`.
     fn visit(&mut self, open: &[usize], value: i64, priced: i64) {
-        let time_left = self.time_left();
         let by_price = self.by_price(open);
+        let time_left = self.time_left();
         for (place, &index) in open.iter().enumerate() {
             let choice = self.choices[index];
             let filled = self.fill.most(index, time_left, self.places);
             let bound = value.saturating_add(filled).min(priced.saturating_add(by_price[place]));
-            if bound <= self.found.value {
+            if bound <= self.threshold {
                 // Both bounds fall from place to place, so no later one is better.
                 return;
             }
-            if self.nodes == 0 {
+            if self.effort.nodes == 0 {
                 self.unvisited = self.unvisited.max(bound);
                 return;
             }
-            self.nodes -= 1;
+            self.effort.nodes -= 1;
             let value = value + choice.item.value;
             self.path.push(choice.item.id);
-            if value > self.found.value {
-                self.found.value = value;
-                self.found.ids.clone_from(&self.path);
-            }
+            self.note(value);
             self.take(&choice, true);
-            let next = self.fill.most(index + 1, time_left - choice.time, self.places);
-            if value.saturating_add(next) > self.found.value {
+            let next = self.fill.most(index + 1, self.time_left(), self.places);
+            if value.saturating_add(next) > self.threshold {
                 let rest = self.compatible(&open[place + 1..], &choice.session);
                 self.visit(&rest, value, priced + choice.item.reduced);
             }
@@ -217,16 +221,26 @@ impl Walk<'_> {
         }
     }
 
+    /// Keeps the path if it is among the best so far.
+    fn note(&mut self, value: i64) {
+        if value <= self.threshold {
+            return;
+        }
+        let place = self.sets.partition_point(|set| set.0 >= value);
+        self.sets.insert(place, (value, self.path.clone()));
+        self.sets.truncate(self.effort.sets);
+        if let Some(last) = self.sets.get(self.effort.sets - 1) {
+            self.threshold = self.threshold.max(last.0);
+        }
+    }
+
     /// The choices of `open` that may still be added after `taken`.
     fn compatible(&self, open: &[usize], taken: &Session) -> Vec<usize> {
-        let exclusive = self.model.lanes > 0;
         open.iter()
             .copied()
             .filter(|&index| {
                 let choice = &self.choices[index];
-                let other = &choice.session;
-                let clash = exclusive && other.lane == taken.lane && other.overlaps(taken);
-                !clash && self.fits(choice)
+                !self.region.model.clash(&choice.session, taken) && self.fits(choice)
             })
             .collect()
     }
@@ -244,21 +258,22 @@ impl Walk<'_> {
         most
     }
 
-    fn take(&mut self, choice: &Choice, on: bool) {
+    /// Puts a choice in, or takes it out again.
+    fn take(&mut self, choice: &Choice, put_in: bool) {
         for &(cell, ns) in &self.parts[choice.parts.0..choice.parts.1] {
-            self.left[cell] += if on { -ns } else { ns };
+            self.left[cell] += if put_in { -ns } else { ns };
         }
-        let start = choice.session.start;
-        if self.model.count.is_some() {
+        if self.region.model.count.is_some() {
+            let start = choice.session.start;
             let place = self.starts.partition_point(|&other| other < start);
-            if on {
+            if put_in {
                 self.starts.insert(place, start);
             } else {
                 self.starts.remove(place);
             }
         }
         if choice.kind == Kind::Counted {
-            self.places = if on { self.places - 1 } else { self.places + 1 };
+            self.places = if put_in { self.places - 1 } else { self.places + 1 };
         }
     }
 }
@@ -269,7 +284,8 @@ impl Choice {
     }
 }
 
-/// Whether one more start leaves at most `count` in every half-open window.
+/// Whether one more start leaves at most `count` in every half-open window; `starts` ascend and
+/// leave as much already.
 pub(super) fn start_fits(starts: &[i64], start: i64, count: usize, window: i64) -> bool {
     if starts.len() < count {
         return true;
@@ -286,4 +302,35 @@ pub(super) fn start_fits(starts: &[i64], start: i64, count: usize, window: i64) 
         let until = run[count - 1].max(start);
         until.saturating_sub(from) >= window
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn starts_fit_as_every_window_says() {
+        let mut state = 5_u64;
+        let mut next = |below: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            i64::try_from((state >> 33) % below).unwrap()
+        };
+        for _ in 0..2_000 {
+            let (count, window) = (usize::try_from(next(4) + 1).unwrap(), next(20) + 1);
+            let mut starts: Vec<i64> = Vec::new();
+            for _ in 0..12 {
+                let start = next(40);
+                let mut with = starts.clone();
+                with.push(start);
+                let legal = with.iter().all(|from| {
+                    with.iter().filter(|it| (*from..from + window).contains(*it)).count() <= count
+                });
+                assert_eq!(start_fits(&starts, start, count, window), legal);
+                if legal {
+                    starts.push(start);
+                    starts.sort_unstable();
+                }
+            }
+        }
+    }
 }

@@ -33,7 +33,7 @@ impl SplitMix64 {
 
     /// A number in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
-        f64::from(u32::try_from(self.next() >> 32).unwrap()) / 4_294_967_296.0
+        f64::from(u32::try_from(self.next() >> 32).unwrap_or(0)) / 4_294_967_296.0
     }
 }
 
