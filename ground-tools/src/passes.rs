@@ -4,12 +4,13 @@
 //! entry, target and line of sight. The ground adds nothing to the mathematics.
 
 use crate::failure::Failure;
-use crate::sightline::SightLine;
+use crate::sightline::{SightLine, View};
 use crate::world::{World, body};
 use ephem::time::format_tdb;
 use onboard_core::ephemeris::{EphemerisError, EphemerisTable};
 use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// A transit with the indices of its target and its line of sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,32 +33,30 @@ pub fn search(
     lines: &[SightLine],
 ) -> Result<Vec<Found>, Failure> {
     let sun = world.sun(table)?;
-    // Telescopes that look the same way through the same field see the same: search those once.
-    let first_like = |line: usize| lines.iter().position(|it| it.sees_as(&lines[line]));
-    let same: Vec<usize> = (0..lines.len()).map(|line| first_like(line).unwrap_or(line)).collect();
-    let pairs: Vec<(usize, usize)> = (0..world.targets.len())
-        .flat_map(|target| (0..lines.len()).map(move |line| (target, line)))
-        .filter(|(_, line)| same[*line] == *line)
+    // Lines of sight that see the same are searched once.
+    let mut alike: BTreeMap<View, Vec<usize>> = BTreeMap::new();
+    for (index, line) in lines.iter().enumerate() {
+        alike.entry(line.view()).or_default().push(index);
+    }
+    let pairs: Vec<(usize, &Vec<usize>)> = (0..world.targets.len())
+        .flat_map(|target| alike.values().map(move |group| (target, group)))
         .collect();
     let found: Result<Vec<Vec<Found>>, Failure> = pairs
         .par_iter()
-        .map(|&(target, line)| {
+        .map(|&(target, group)| {
             let source = &world.targets[target];
             let mut channel = [Channel::new(
                 &world.scan,
                 sun,
                 body(table, source.body())?,
-                &lines[line].field,
+                &lines[group[0]].field,
                 (world.start, world.end),
             )];
             let transits = run(&mut channel).map_err(|error| {
                 Failure::internal(format!("search for {}: {}", source.name(), told(error)))
             })?;
-            let like = || (0..lines.len()).filter(|other| same[*other] == line);
-            Ok(transits
-                .into_iter()
-                .flat_map(|transit| like().map(move |line| Found { target, line, transit }))
-                .collect())
+            let all = |transit| group.iter().map(move |&line| Found { target, line, transit });
+            Ok(transits.into_iter().flat_map(all).collect())
         })
         .collect();
     let mut found = found?.concat();

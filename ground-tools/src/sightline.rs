@@ -7,13 +7,16 @@
 use crate::failure::Failure;
 use crate::mission::Mission;
 use crate::mission::telescope::{NamedDetector, Telescope};
-use onboard_core::field_of_view::FieldOfView;
+use onboard_core::field_of_view::{FieldOfView, FieldShape};
 use onboard_core::frame::{Boresight, Detector};
 use onboard_core::phase::Rotor;
 use onboard_core::rotation::{Rotation, RotationError};
 
 /// Stands where there is no telescope or no detector.
 pub const NONE: &str = "-";
+
+/// Rotation and size of a field of view, as bits.
+pub type View = ([u64; 4], [u64; 2]);
 
 /// One line of sight and what counts as inside.
 #[derive(Debug, Clone)]
@@ -39,11 +42,14 @@ impl SightLine {
         format!("{}/{}", self.telescope_name, self.detector_name)
     }
 
-    /// Whether another line of sight has the same directions inside at all times, to the bit.
+    /// Equal, to the bit, for lines of sight that have the same directions inside at all times.
     #[must_use]
-    pub fn sees_as(&self, other: &Self) -> bool {
-        let bits = |line: &Self| line.rotation.to_xyzw().map(f64::to_bits);
-        bits(self) == bits(other) && self.field.shape() == other.field.shape()
+    pub fn view(&self) -> View {
+        let shape = match self.field.shape() {
+            FieldShape::Circle(radius) => [radius, 0.0],
+            FieldShape::Rectangle(width, height) => [width, height],
+        };
+        (self.rotation.to_xyzw().map(f64::to_bits), shape.map(f64::to_bits))
     }
 }
 

@@ -295,3 +295,50 @@ fn every_preset_lists_shows_and_runs() {
     }
     assert_eq!(listed.as_array().unwrap().len(), 6);
 }
+
+#[test]
+fn detectors_are_kept_apart_and_twins_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let mission = folder.path().join("mission.toml");
+    let detector = |name: &str, x: f64| {
+        format!(
+            "[[telescope.detector]]\nname = \"{name}\"\nquaternion_xyzw = [{x}, 0.0, 0.0, {}]\n",
+            (1.0 - x * x).sqrt()
+        )
+    };
+    let text = format!(
+        "base = \"litebird\"\n[[telescope]]\nname = \"T\"\nfwhm_arcmin = 20.0\n{}{}{}",
+        detector("a", 0.1),
+        detector("b", -0.05),
+        detector("twin_of_a", 0.1)
+    );
+    std::fs::write(&mission, text).unwrap();
+    let out = folder.path().join("rows.csv");
+    let (mission, rows_file) = (mission.to_str().unwrap(), out.to_str().unwrap());
+    let summary = json(&[
+        "transits",
+        "--mission",
+        mission,
+        "--detector",
+        "all",
+        "--duration",
+        "200d",
+        "--json",
+        "--out",
+        rows_file,
+    ]);
+    let rows = rows(&std::fs::read_to_string(&out).unwrap());
+    assert_eq!(summary["transits"], rows.len());
+    let of = |name: &str| rows.iter().filter(|row| row["detector"] == name).collect::<Vec<_>>();
+    let edges = |name: &str| -> Vec<String> {
+        of(name).iter().map(|row| row["entry_tai_ns"].clone() + &row["exit_tai_ns"]).collect()
+    };
+    assert!(edges("a").len() > 50);
+    assert_eq!(edges("a"), edges("twin_of_a"));
+    assert_ne!(edges("a"), edges("b"));
+    for name in ["a", "b", "twin_of_a"] {
+        let seconds: f64 = of(name).iter().map(|row| row["dwell_s"].parse::<f64>().unwrap()).sum();
+        let hours = &summary["integrated_hours"][format!("T/{name}")]["total"];
+        assert!((hours.as_f64().unwrap() * 3600.0 - seconds).abs() < 1e-6, "{name}: {hours}");
+    }
+}

@@ -125,16 +125,15 @@ fn summary(
     found: &[Found],
     provenance: &Provenance,
 ) -> Result<Value, Failure> {
+    let mut dwell_ns = vec![vec![0_i64; world.targets.len()]; lines.len()];
+    for it in found {
+        dwell_ns[it.line][it.target] += it.transit.dwell().ns();
+    }
     let hours_of = |line: usize| {
-        let mut hours = Map::new();
-        let mut total_ns = 0_i64;
-        for (index, target) in world.targets.iter().enumerate() {
-            let of_target = found.iter().filter(|it| it.target == index && it.line == line);
-            let ns: i64 = of_target.map(|it| it.transit.dwell().ns()).sum();
-            hours.insert(target.name().to_owned(), json!(in_hours(ns)));
-            total_ns += ns;
-        }
-        hours.insert("total".to_owned(), json!(in_hours(total_ns)));
+        let by_target = world.targets.iter().zip(&dwell_ns[line]);
+        let mut hours: Map<String, Value> =
+            by_target.map(|(it, ns)| (it.name().to_owned(), json!(in_hours(*ns)))).collect();
+        hours.insert("total".to_owned(), json!(in_hours(dwell_ns[line].iter().sum())));
         Value::Object(hours)
     };
     let integrated = match lines {
