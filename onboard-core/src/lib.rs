@@ -37,6 +37,7 @@ pub mod rotation;
 pub mod ephemeris;
 pub mod sun;
 pub mod scan;
+pub mod uncertainty;
 pub mod detector;
 pub mod field_of_view;
 pub mod hwp;

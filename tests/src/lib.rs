@@ -5,7 +5,7 @@ use onboard_core::ephemeris::Span;
 use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::scan::{ScanParameters, ScanStrategy};
 use onboard_core::time::Instant;
-use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
+use onboard_core::transit::{Channel, MAX_EVALUATIONS_PER_STEP, Step, Transit, TransitFinder};
 use std::num::NonZeroU64;
 
 /// The rate of one turn in `period_ns`, rounded to the nearest 2^-128 turn/ns.
@@ -87,15 +87,23 @@ impl Plain {
     }
 }
 
-/// All transits of some channels, in order.
+/// All transits of some channels, in order; every step is held to its bound on evaluations.
 ///
 /// # Panics
-/// When a channel cannot be evaluated.
+/// When a channel cannot be evaluated, or a step evaluates more often than it may.
 pub fn transits(channels: &mut [Channel<'_>]) -> Vec<Transit> {
     let mut finder = TransitFinder::new(channels);
     let mut found = Vec::new();
+    let made = |finder: &TransitFinder<'_, '_>| -> u64 {
+        finder.channels().iter().map(Channel::evaluations).sum()
+    };
+    let mut before = made(&finder);
     loop {
-        match finder.step() {
+        let step = finder.step();
+        let after = made(&finder);
+        assert!(after - before <= u64::from(MAX_EVALUATIONS_PER_STEP), "{}", after - before);
+        before = after;
+        match step {
             Step::Transit(transit) => found.push(transit),
             Step::Searched(_) => {}
             Step::Done => return found,

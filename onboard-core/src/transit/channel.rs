@@ -60,6 +60,7 @@ pub struct Channel<'a> {
     target: BodyTable<'a>,
     reach: Reach,
     state: SearchState,
+    evaluations: u64,
 }
 
 impl<'a> Channel<'a> {
@@ -76,7 +77,7 @@ impl<'a> Channel<'a> {
         let bounds = RelativeBounds::new(&sun.bounds(), &target.bounds());
         let reach = Reach::new(&motion, field, bounds);
         let state = SearchState { at: start, end, previous: None, stage: Stage::Outside };
-        Self { motion, sun, target, reach, state }
+        Self { motion, sun, target, reach, state, evaluations: 0 }
     }
 
     /// What to save, so that [`Self::resume`] goes on with the same bits.
@@ -88,6 +89,12 @@ impl<'a> Channel<'a> {
     /// Goes on from a saved state of the same search.
     pub fn resume(&mut self, state: SearchState) {
         self.state = state;
+    }
+
+    /// Evaluations (Sun, target and phases at one instant) made so far; not part of the state.
+    #[must_use]
+    pub const fn evaluations(&self) -> u64 {
+        self.evaluations
     }
 
     /// No transit that is still to come from this channel begins before this instant.
@@ -149,7 +156,9 @@ impl<'a> Channel<'a> {
         Ok(())
     }
 
-    fn sight(&self, at: Instant) -> Result<Sight, EphemerisError> {
+    /// The one place where the search evaluates, so that the count is whole.
+    fn sight(&mut self, at: Instant) -> Result<Sight, EphemerisError> {
+        self.evaluations = self.evaluations.wrapping_add(1);
         Sight::new(&self.motion, &self.sun, self.target, at)
     }
 
@@ -194,7 +203,7 @@ impl<'a> Channel<'a> {
 
     /// The closer of `best` and the closest approach between the previous evaluation and `now`.
     fn closer(
-        &self,
+        &mut self,
         sight: &Sight,
         now: Approach,
         best: Approach,
@@ -214,7 +223,7 @@ impl<'a> Channel<'a> {
     }
 
     /// The maximum of closeness between two evaluations, by false position on its rate (Illinois).
-    fn summit(&self, before: Approach, after: Approach) -> Result<Approach, EphemerisError> {
+    fn summit(&mut self, before: Approach, after: Approach) -> Result<Approach, EphemerisError> {
         let (mut low, mut high) = (before, after);
         let mut best = if before.closeness > after.closeness { before } else { after };
         let mut kept_low = 0_i8;

@@ -24,6 +24,7 @@ use onboard_core::scan::{ScanError, ScanParameters, ScanStrategy};
 use onboard_core::sun::{AntiSunAxes, SunModel};
 use onboard_core::time::{Duration, Instant};
 use onboard_core::transit::{Channel, SearchState, Step, Transit, TransitFinder};
+use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::uplink::{
     Container, Header, MissionError, MissionTable, PlanError, PlanTable, SESSION_BYTES,
     SectionKind, SessionRecord, SunRecord, TelescopeRecord, UplinkError, checksum,
@@ -138,6 +139,7 @@ probes! {
     scan_strategy_turns(scan: ScanStrategy, at: Instant) -> (u64, u64) { scan.turns(at) }
     scan_strategy_boresight_in_spin(scan: ScanStrategy) -> Rotation<Boresight, Spin> { scan.boresight_in_spin() }
     scan_strategy_spin_in_anti_sun(scan: ScanStrategy, at: Instant) -> Rotation<Spin, AntiSun> { scan.spin_in_anti_sun(at) }
+    scan_covariance_along(covariance: ScanCovariance, gradient: [f64; 3]) -> f64 { covariance.along(gradient) }
 
     detector_at_probe(r: f64, a: f64, g: f64) -> Rotation<Detector, Boresight> { detector_at(r, a, g) }
     field_of_view_new(frame: Rotation<Telescope, Boresight>, shape: FieldShape) -> Result<FieldOfView, FieldOfViewError> { FieldOfView::new(frame, shape) }
@@ -156,6 +158,7 @@ probes! {
     channel_new(scan: ScanStrategy, sun: SunModel<'static>, target: BodyTable<'static>, field: FieldOfView, span: (Instant, Instant)) -> Channel<'static> { Channel::new(&scan, sun, target, &field, span) }
     channel_state(channel: Channel<'static>) -> SearchState { channel.state() }
     channel_resume(channel: Channel<'static>, state: SearchState) -> Channel<'static> { let mut channel = channel; channel.resume(state); channel }
+    channel_evaluations(channel: Channel<'static>) -> u64 { channel.evaluations() }
     channel_frontier(channel: Channel<'static>) -> Option<Instant> { channel.frontier() }
     transit_dwell(transit: Transit) -> Duration { transit.dwell() }
     transit_finder_new(channels: *mut [Channel<'static>]) -> TransitFinder<'static, 'static> { TransitFinder::new(&mut *channels) }
