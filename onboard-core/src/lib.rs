@@ -44,3 +44,4 @@ pub mod hwp;
 pub mod attitude;
 pub mod transit;
 pub mod uplink;
+pub mod clock;

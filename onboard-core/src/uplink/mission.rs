@@ -1,4 +1,4 @@
-//! The mission as the spacecraft needs it: strategy, Sun model, telescopes.
+//! The mission as the spacecraft needs it: strategy, Sun model, telescopes, detectors, avoidance.
 //!
 //! | bytes | field |
 //! |---|---|
@@ -8,9 +8,11 @@
 //! | 48..64, 64..72 | spin rate, start phase |
 //! | 72..88, 88..96 | circular Sun: rate, start longitude; zero with the table's Sun |
 //! | 96..98 | Sun model, u16: 0 table, 1 circular |
-//! | 98..100 | number of telescopes, u16 |
-//! | 100..104 | zero |
-//! | 104.. | telescopes, 80 bytes each |
+//! | 98..100, 100..102, 102..104 | numbers of telescopes, listed detectors, avoidance limits, u16 |
+//! | 104..112 | radius about a listed detector's line of sight, f64 rad |
+//! | 112.. | telescopes, 80 bytes each |
+//! | then | listed detectors, 40 bytes each, by telescope |
+//! | then | avoidance limits, 16 bytes each |
 //!
 //! | bytes of a telescope | field |
 //! |---|---|
@@ -19,32 +21,53 @@
 //! | 56..72 | field of view: radius and zero, or width and height, f64 rad |
 //! | 72..74 | 1 circle, 2 rectangle, u16 |
 //! | 74..80 | zero |
+//!
+//! | bytes of a detector | field |
+//! |---|---|
+//! | 0..32 | rotation into the boresight frame, x y z w, f64 |
+//! | 32..34 | its telescope's index, u16 |
+//! | 34..40 | zero |
+//!
+//! | bytes of an avoidance limit | field |
+//! |---|---|
+//! | 0..8 | smallest angle between the body and a field of view, f64 rad |
+//! | 8..12 | body number, i32 |
+//! | 12..16 | zero |
 
-use crate::bytes::{f64_at, field, i64_at, put, u16_at, u64_at, u128_at};
+use crate::bytes::{f64_at, field, i32_at, i64_at, put, u16_at, u32_at, u64_at, u128_at};
 use crate::ephemeris::{EphemerisError, EphemerisTable, SUN};
 use crate::field_of_view::{FieldOfView, FieldOfViewError, FieldShape};
-use crate::frame::{Boresight, Telescope};
+use crate::frame::{Boresight, Detector, Telescope};
 use crate::phase::{Phase, Rotor, TurnRate};
 use crate::rotation::{Rotation, RotationError};
 use crate::scan::{ScanError, ScanParameters, ScanStrategy};
 use crate::sun::SunModel;
 use crate::time::Instant;
+use core::f64::consts::PI;
 
-const FIXED_BYTES: usize = 104;
+const FIXED_BYTES: usize = 112;
 const TELESCOPE_BYTES: usize = 80;
+const DETECTOR_BYTES: usize = 40;
+const AVOIDANCE_BYTES: usize = 16;
 
 /// Why a mission section is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MissionError {
-    /// Fewer or more bytes than the number of telescopes says.
+    /// Fewer or more bytes than the numbers of records say.
     WrongLength,
     /// An unknown Sun model (its number).
     SunModel(u16),
     /// A telescope's (its index) field of view has an unknown shape, or spare bytes are not zero.
     Telescope(u16),
+    /// A detector (its index) names a telescope that is not there, breaks their order, or has spare
+    /// bytes that are not zero.
+    Detector(u16),
+    /// An avoidance limit (its index) is not an angle in (0, pi], or has spare bytes that are not
+    /// zero.
+    Avoidance(u16),
     /// The scanning strategy is illegal.
     Scan(ScanError),
-    /// A telescope's rotation is illegal.
+    /// A telescope's or detector's rotation is illegal.
     Rotation(RotationError),
     /// A telescope's field of view is illegal.
     FieldOfView(FieldOfViewError),
@@ -70,12 +93,52 @@ pub struct TelescopeRecord {
     pub field: FieldShape,
 }
 
+/// One listed detector.
+#[derive(Debug, Clone, Copy)]
+pub struct DetectorRecord {
+    /// Its frame in the mission boresight frame.
+    pub rotation: Rotation<Detector, Boresight>,
+    /// Its telescope's index.
+    pub telescope: u16,
+}
+
+/// A body that fields of view must keep away from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AvoidanceRecord {
+    /// Body number of its apparent direction in the ephemeris section.
+    pub body: i32,
+    /// Smallest angle between the body and the nearest point of a field of view, rad.
+    pub angle_rad: f64,
+}
+
+/// How many records of each kind a mission section has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Telescopes.
+    pub telescopes: u16,
+    /// Listed detectors, of all telescopes.
+    pub detectors: u16,
+    /// Avoidance limits.
+    pub avoidance: u16,
+}
+
+/// The bytes before the telescopes, read.
+struct Fixed {
+    parameters: ScanParameters,
+    sun: SunRecord,
+    counts: Counts,
+    detector_radius_rad: f64,
+}
+
 /// A checked mission section in borrowed bytes.
 #[derive(Debug, Clone, Copy)]
 pub struct MissionTable<'a> {
     strategy: ScanStrategy,
     sun: SunRecord,
+    detector_radius_rad: f64,
     telescopes: &'a [[u8; TELESCOPE_BYTES]],
+    detectors: &'a [[u8; DETECTOR_BYTES]],
+    avoidance: &'a [[u8; AVOIDANCE_BYTES]],
 }
 
 impl<'a> MissionTable<'a> {
@@ -84,20 +147,52 @@ impl<'a> MissionTable<'a> {
     /// # Errors
     /// [`MissionError`], the first thing found wrong.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, MissionError> {
-        let (fixed, rest) = bytes.split_at_checked(FIXED_BYTES).ok_or(MissionError::WrongLength)?;
-        let (parameters, sun, count) = read_fixed(fixed)?;
-        let (telescopes, spare) = rest.as_chunks::<TELESCOPE_BYTES>();
-        if telescopes.len() != usize::from(count) || !spare.is_empty() {
-            return Err(MissionError::WrongLength);
+        let short = MissionError::WrongLength;
+        let (fixed, rest) = bytes.split_at_checked(FIXED_BYTES).ok_or(short)?;
+        let Fixed { parameters, sun, counts, detector_radius_rad } = read_fixed(fixed)?;
+        let (telescopes, rest) = records::<TELESCOPE_BYTES>(rest, counts.telescopes)?;
+        let (detectors, rest) = records::<DETECTOR_BYTES>(rest, counts.detectors)?;
+        let (avoidance, rest) = records::<AVOIDANCE_BYTES>(rest, counts.avoidance)?;
+        if !rest.is_empty() {
+            return Err(short);
         }
         let strategy = ScanStrategy::new(parameters).map_err(MissionError::Scan)?;
+        let table = Self { strategy, sun, detector_radius_rad, telescopes, detectors, avoidance };
+        table.check(counts.telescopes)?;
+        Ok(table)
+    }
+
+    /// Every record is legal.
+    fn check(&self, telescopes: u16) -> Result<(), MissionError> {
         let mut index = 0_u16;
-        for record in telescopes {
+        for record in self.telescopes {
             let telescope = read_telescope(record, index)?;
             telescope.field_of_view().map_err(MissionError::FieldOfView)?;
             index = index.wrapping_add(1);
         }
-        Ok(Self { strategy, sun, telescopes })
+        let mut index = 0_u16;
+        let mut before = 0_u16;
+        for record in self.detectors {
+            let detector = read_detector(record, index)?;
+            if detector.telescope < before || detector.telescope >= telescopes {
+                return Err(MissionError::Detector(index));
+            }
+            before = detector.telescope;
+            index = index.wrapping_add(1);
+        }
+        if !self.detectors.is_empty() {
+            FieldOfView::circle(
+                Rotation::<Detector, Boresight>::IDENTITY,
+                self.detector_radius_rad,
+            )
+            .map_err(MissionError::FieldOfView)?;
+        }
+        let mut index = 0_u16;
+        for record in self.avoidance {
+            read_avoidance(record).ok_or(MissionError::Avoidance(index))?;
+            index = index.wrapping_add(1);
+        }
+        Ok(())
     }
 
     /// The scanning strategy.
@@ -122,12 +217,53 @@ impl<'a> MissionTable<'a> {
         self.telescopes.iter().filter_map(|record| read_telescope(record, 0).ok())
     }
 
+    /// The telescope at `index` in the mission's order.
+    #[must_use]
+    pub fn telescope(&self, index: u16) -> Option<TelescopeRecord> {
+        read_telescope(self.telescopes.get(usize::from(index))?, index).ok()
+    }
+
+    /// The listed detectors, by telescope.
+    pub fn detectors(&self) -> impl Iterator<Item = DetectorRecord> + 'a {
+        self.detectors.iter().filter_map(|record| read_detector(record, 0).ok())
+    }
+
+    /// What a telescope is calibrated through: the `index`-th of its listed detectors' circles, or
+    /// its field of view alone when none is listed.
+    #[must_use]
+    pub fn calibration_field(&self, telescope: u16, index: u16) -> Option<FieldOfView> {
+        let number = |record: &[u8; DETECTOR_BYTES]| u16_at(record, 32).unwrap_or(u16::MAX);
+        let first = self.detectors.partition_point(|record| number(record) < telescope);
+        let last = self.detectors.partition_point(|record| number(record) <= telescope);
+        let own = self.detectors.get(first..last)?;
+        if own.is_empty() {
+            return match index {
+                0 => self.telescope(telescope)?.field_of_view().ok(),
+                _ => None,
+            };
+        }
+        let detector = read_detector(own.get(usize::from(index))?, index).ok()?;
+        FieldOfView::circle(detector.rotation, self.detector_radius_rad).ok()
+    }
+
+    /// The avoidance limits.
+    pub fn avoidance(&self) -> impl Iterator<Item = AvoidanceRecord> + 'a {
+        self.avoidance.iter().filter_map(read_avoidance)
+    }
+
+    /// The avoidance limit at `index`.
+    #[must_use]
+    pub fn avoidance_limit(&self, index: u16) -> Option<AvoidanceRecord> {
+        read_avoidance(self.avoidance.get(usize::from(index))?)
+    }
+
     /// The bytes before the telescopes.
     #[must_use]
     pub fn fixed_to_le_bytes(
         parameters: &ScanParameters,
         sun: SunRecord,
-        telescopes: u16,
+        counts: Counts,
+        detector_radius_rad: f64,
     ) -> [u8; FIXED_BYTES] {
         let mut bytes = [0; FIXED_BYTES];
         put(&mut bytes, 0, parameters.start.tai_ns().to_le_bytes());
@@ -139,7 +275,10 @@ impl<'a> MissionTable<'a> {
             put_rotor(&mut bytes, 72, longitude);
             put(&mut bytes, 96, 1_u16.to_le_bytes());
         }
-        put(&mut bytes, 98, telescopes.to_le_bytes());
+        put(&mut bytes, 98, counts.telescopes.to_le_bytes());
+        put(&mut bytes, 100, counts.detectors.to_le_bytes());
+        put(&mut bytes, 102, counts.avoidance.to_le_bytes());
+        put(&mut bytes, 104, detector_radius_rad.to_le_bytes());
         bytes
     }
 }
@@ -149,11 +288,7 @@ impl TelescopeRecord {
     #[must_use]
     pub fn to_le_bytes(&self) -> [u8; TELESCOPE_BYTES] {
         let mut bytes = [0; TELESCOPE_BYTES];
-        let [x, y, z, w] = self.rotation.to_xyzw();
-        put(&mut bytes, 0, x.to_le_bytes());
-        put(&mut bytes, 8, y.to_le_bytes());
-        put(&mut bytes, 16, z.to_le_bytes());
-        put(&mut bytes, 24, w.to_le_bytes());
+        put_rotation(&mut bytes, self.rotation);
         if let Some(plate) = self.hwp {
             put_rotor(&mut bytes, 32, plate);
         }
@@ -176,6 +311,49 @@ impl TelescopeRecord {
     }
 }
 
+impl DetectorRecord {
+    /// The detector's bytes.
+    #[must_use]
+    pub fn to_le_bytes(&self) -> [u8; DETECTOR_BYTES] {
+        let mut bytes = [0; DETECTOR_BYTES];
+        put_rotation(&mut bytes, self.rotation);
+        put(&mut bytes, 32, self.telescope.to_le_bytes());
+        bytes
+    }
+}
+
+impl AvoidanceRecord {
+    /// The limit's bytes.
+    #[must_use]
+    pub fn to_le_bytes(&self) -> [u8; AVOIDANCE_BYTES] {
+        let mut bytes = [0; AVOIDANCE_BYTES];
+        put(&mut bytes, 0, self.angle_rad.to_le_bytes());
+        put(&mut bytes, 8, self.body.to_le_bytes());
+        bytes
+    }
+}
+
+/// The next `count` records, and what follows them.
+fn records<const N: usize>(bytes: &[u8], count: u16) -> Result<(&[[u8; N]], &[u8]), MissionError> {
+    let size = usize::from(count).wrapping_mul(N);
+    let (own, rest) = bytes.split_at_checked(size).ok_or(MissionError::WrongLength)?;
+    Ok((own.as_chunks::<N>().0, rest))
+}
+
+fn put_rotation<F>(bytes: &mut [u8], rotation: Rotation<F, Boresight>) {
+    let [x, y, z, w] = rotation.to_xyzw();
+    put(bytes, 0, x.to_le_bytes());
+    put(bytes, 8, y.to_le_bytes());
+    put(bytes, 16, z.to_le_bytes());
+    put(bytes, 24, w.to_le_bytes());
+}
+
+fn rotation_at<F>(bytes: &[u8], bad: MissionError) -> Result<Rotation<F, Boresight>, MissionError> {
+    let number = |offset| f64_at(bytes, offset).ok_or(bad);
+    let xyzw = [number(0)?, number(8)?, number(16)?, number(24)?];
+    Rotation::from_xyzw(xyzw).map_err(MissionError::Rotation)
+}
+
 fn put_rotor(bytes: &mut [u8], offset: usize, rotor: Rotor) {
     put(bytes, offset, rotor.rate.bits().to_le_bytes());
     put(bytes, offset.wrapping_add(16), rotor.start.bits().to_le_bytes());
@@ -188,24 +366,49 @@ fn rotor_at(bytes: &[u8], offset: usize) -> Option<Rotor> {
     })
 }
 
-fn read_fixed(bytes: &[u8]) -> Result<(ScanParameters, SunRecord, u16), MissionError> {
+fn read_fixed(bytes: &[u8]) -> Result<Fixed, MissionError> {
+    let short = MissionError::WrongLength;
     let read = || {
-        let parameters = ScanParameters {
+        Some(ScanParameters {
             start: Instant::from_tai_ns(i64_at(bytes, 0)?),
             alpha_rad: f64_at(bytes, 8)?,
             beta_rad: f64_at(bytes, 16)?,
             precession: rotor_at(bytes, 24)?,
             spin: rotor_at(bytes, 48)?,
-        };
-        Some((parameters, rotor_at(bytes, 72)?, u16_at(bytes, 96)?, u16_at(bytes, 98)?))
+        })
     };
-    let (parameters, longitude, model, count) = read().ok_or(MissionError::WrongLength)?;
-    let sun = match model {
+    let count = |offset| u16_at(bytes, offset).ok_or(short);
+    let sun = match count(96)? {
         0 => SunRecord::Table,
-        1 => SunRecord::Circular(longitude),
+        1 => SunRecord::Circular(rotor_at(bytes, 72).ok_or(short)?),
         other => return Err(MissionError::SunModel(other)),
     };
-    Ok((parameters, sun, count))
+    Ok(Fixed {
+        parameters: read().ok_or(short)?,
+        sun,
+        counts: Counts { telescopes: count(98)?, detectors: count(100)?, avoidance: count(102)? },
+        detector_radius_rad: f64_at(bytes, 104).ok_or(short)?,
+    })
+}
+
+fn read_detector(
+    record: &[u8; DETECTOR_BYTES],
+    index: u16,
+) -> Result<DetectorRecord, MissionError> {
+    let bad = MissionError::Detector(index);
+    if field(record, 34) != Some([0_u8; 6]) {
+        return Err(bad);
+    }
+    Ok(DetectorRecord {
+        rotation: rotation_at(record, bad)?,
+        telescope: u16_at(record, 32).ok_or(bad)?,
+    })
+}
+
+fn read_avoidance(record: &[u8; AVOIDANCE_BYTES]) -> Option<AvoidanceRecord> {
+    let limit = AvoidanceRecord { body: i32_at(record, 8)?, angle_rad: f64_at(record, 0)? };
+    let legal = limit.angle_rad > 0.0 && limit.angle_rad <= PI;
+    (legal && u32_at(record, 12)? == 0).then_some(limit)
 }
 
 fn read_telescope(
@@ -214,7 +417,6 @@ fn read_telescope(
 ) -> Result<TelescopeRecord, MissionError> {
     let bad = MissionError::Telescope(index);
     let number = |offset| f64_at(record, offset).ok_or(bad);
-    let xyzw = [number(0)?, number(8)?, number(16)?, number(24)?];
     let plate = rotor_at(record, 32).ok_or(bad)?;
     let (first, second) = (number(56)?, number(64)?);
     let shape_record = match u16_at(record, 72) {
@@ -226,7 +428,7 @@ fn read_telescope(
         return Err(bad);
     }
     Ok(TelescopeRecord {
-        rotation: Rotation::from_xyzw(xyzw).map_err(MissionError::Rotation)?,
+        rotation: rotation_at(record, bad)?,
         hwp: (plate.rate.bits() != 0).then_some(plate),
         field: shape_record,
     })
@@ -251,7 +453,8 @@ mod tests {
             spin: rotor((1_u128 << 91).wrapping_neg(), 4),
         };
         let sun = SunRecord::Circular(rotor(1 << 70, 5));
-        let mut bytes = MissionTable::fixed_to_le_bytes(&parameters, sun, 2).to_vec();
+        let counts = Counts { telescopes: 2, detectors: 3, avoidance: 1 };
+        let mut bytes = MissionTable::fixed_to_le_bytes(&parameters, sun, counts, 0.01).to_vec();
         for (hwp, field) in [
             (Some(rotor(1 << 95, 6)), FieldShape::Circle(0.2)),
             (None, FieldShape::Rectangle(0.3, 0.1)),
@@ -259,6 +462,11 @@ mod tests {
             let telescope = TelescopeRecord { rotation: Rotation::about_z(0.5), hwp, field };
             bytes.extend(telescope.to_le_bytes());
         }
+        for angle in [0.1, 0.2, 0.3] {
+            let rotation = Rotation::about_x(angle);
+            bytes.extend(DetectorRecord { rotation, telescope: 1 }.to_le_bytes());
+        }
+        bytes.extend(AvoidanceRecord { body: 399, angle_rad: 0.5 }.to_le_bytes());
         (parameters, bytes)
     }
 
@@ -272,6 +480,27 @@ mod tests {
         assert_eq!(telescopes[0].field, FieldShape::Circle(0.2));
         assert!(telescopes[0].hwp.is_some() && telescopes[1].hwp.is_none());
         assert_eq!(telescopes[1].field, FieldShape::Rectangle(0.3, 0.1));
+        assert_eq!(mission.detectors().count(), 3);
+        let limits: Vec<_> = mission.avoidance().collect();
+        assert_eq!(limits, [AvoidanceRecord { body: 399, angle_rad: 0.5 }]);
+        assert_eq!(mission.avoidance_limit(0), Some(limits[0]));
+        assert_eq!(mission.avoidance_limit(1), None);
+    }
+
+    #[test]
+    fn a_telescope_is_calibrated_through_its_detectors_or_its_field() {
+        let (_, bytes) = section();
+        let mission = MissionTable::parse(&bytes).unwrap();
+        let reach = |telescope, index| {
+            mission.calibration_field(telescope, index).map(|field| field.reach_rad())
+        };
+        assert_eq!(reach(0, 0), Some(0.2));
+        assert_eq!(reach(0, 1), None);
+        assert_eq!([reach(1, 0), reach(1, 2), reach(1, 3)], [Some(0.01), Some(0.01), None]);
+        assert_eq!(reach(2, 0), None);
+        let second = mission.calibration_field(1, 1).unwrap().centre();
+        let tilt = Rotation::<Detector, Boresight>::about_x(0.2);
+        assert!(second.separation_rad(tilt.apply(crate::direction::Direction::Z)) < 1e-15);
     }
 
     #[test]
@@ -283,12 +512,18 @@ mod tests {
             MissionTable::parse(&bytes).map(|_| ()).unwrap_err()
         };
         assert_eq!(with(96, &[7, 0]), MissionError::SunModel(7));
-        assert_eq!(with(98, &[3, 0]), MissionError::WrongLength);
-        assert_eq!(with(104 + 72, &[9, 0]), MissionError::Telescope(0));
-        assert_eq!(with(184 + 74, &[1]), MissionError::Telescope(1));
+        assert_eq!(with(98, &[9, 0]), MissionError::WrongLength);
+        assert_eq!(with(102, &[0, 0]), MissionError::WrongLength);
+        assert_eq!(with(112 + 72, &[9, 0]), MissionError::Telescope(0));
+        assert_eq!(with(192 + 74, &[1]), MissionError::Telescope(1));
+        assert_eq!(with(272 + 32, &[2, 0]), MissionError::Detector(0));
+        assert_eq!(with(312 + 32, &[0, 0]), MissionError::Detector(1));
+        assert_eq!(with(312 + 39, &[1]), MissionError::Detector(1));
+        assert_eq!(with(392, &0.0_f64.to_le_bytes()), MissionError::Avoidance(0));
+        assert_eq!(with(392 + 12, &[1]), MissionError::Avoidance(0));
         assert_eq!(with(8, &4.0_f64.to_le_bytes()), MissionError::Scan(ScanError::Alpha(4.0)));
         assert_eq!(
-            with(104 + 56, &0.0_f64.to_le_bytes()),
+            with(112 + 56, &0.0_f64.to_le_bytes()),
             MissionError::FieldOfView(FieldOfViewError::Radius(0.0))
         );
     }

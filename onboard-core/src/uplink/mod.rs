@@ -16,34 +16,52 @@
 //! | 56..60 | zero |
 //! | 60..64 | CRC of bytes 0..60 |
 //! | 64.. | directory: kind u16, zero u16, offset u32, length u32, CRC u32 per section |
+//! | then | sections: the set's digest, u64, and the contents |
 //!
 //! Method: nothing is believed before its CRC matches; sections lie behind the directory without
-//! gaps, so every byte of the container is covered by a CRC.
+//! gaps, so every byte of the container is covered by a CRC. Each section carries the digest of the
+//! whole set ([`SetDigest`]: CRC-64/XZ over all contents), so that one exchanged for another set's
+//! is refused even where its own CRC was made to match.
 //!
-//! Limits: a CRC guards against damage, not against forgery.
+//! [`Tables`] is a container with its sections checked against each other, [`Slots`] the two places
+//! that hold one each, [`RollbackOrder`] the only way back to an older one.
+//!
+//! Limits: CRCs guard against damage and mix-ups, not against forgery; authentication belongs to
+//! the telecommand link.
 
 mod mission;
 mod plan;
+mod rollback;
+mod slots;
+mod tables;
 
-pub use mission::{MissionError, MissionTable, SunRecord, TelescopeRecord};
+pub use mission::{
+    AvoidanceRecord, Counts, DetectorRecord, MissionError, MissionTable, SunRecord, TelescopeRecord,
+};
 pub use plan::{PlanError, PlanTable, SESSION_BYTES, SessionRecord};
+pub use rollback::{ROLLBACK_BYTES, RollbackError, RollbackOrder};
+pub use slots::{Active, NoTables, REVOKED, Refusal, Slot, SlotError, Slots, revoke};
+pub use tables::{TableError, Tables};
 
-use crate::bytes::{field, i64_at, put, span, u16_at, u32_at};
+use crate::bytes::{field, i64_at, put, span, u16_at, u32_at, u64_at};
 use crate::time::Instant;
-use crc::{CRC_32_ISO_HDLC, Crc};
+use crc::{CRC_32_ISO_HDLC, CRC_64_XZ, Crc, Digest};
 
 /// First bytes of every container.
 pub const MAGIC: [u8; 8] = *b"GYRFALCN";
 /// The format version that this crate reads and writes.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// Bytes of the header.
 pub const HEADER_BYTES: usize = 64;
 /// Bytes of one directory entry.
 pub const ENTRY_BYTES: usize = 16;
 /// Most sections in a container.
 pub const MAX_SECTIONS: u16 = 8;
+/// Bytes of the set's digest before each section's contents.
+pub const DIGEST_BYTES: usize = 8;
 
-const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+static SET_CHECKSUM: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
 /// What a section holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,6 +105,8 @@ pub enum UplinkError {
     TooLong,
     /// A section's CRC does not match (its kind's number).
     SectionCrc(u16),
+    /// A section (its kind's number) comes from another set than the contents that lie here.
+    MixedSet(u16),
     /// The section is not there.
     NoSuchSection(SectionKind),
 }
@@ -110,6 +130,42 @@ pub struct Container<'a> {
     bytes: &'a [u8],
     directory: &'a [[u8; ENTRY_BYTES]],
     header: Header,
+    set_digest: u64,
+}
+
+/// The digest of a set's contents, section after section in the directory's order.
+#[derive(Clone)]
+pub struct SetDigest(Digest<'static, u64>);
+
+impl core::fmt::Debug for SetDigest {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        formatter.write_str("SetDigest")
+    }
+}
+
+impl Default for SetDigest {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl SetDigest {
+    /// The digest of no section yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self(SET_CHECKSUM.digest())
+    }
+
+    /// Takes in the next section's contents.
+    pub fn update(&mut self, contents: &[u8]) {
+        self.0.update(contents);
+    }
+
+    /// The digest of all contents taken in.
+    #[must_use]
+    pub fn value(self) -> u64 {
+        self.0.finalize()
+    }
 }
 
 /// CRC-32 of bytes, as the container uses it.
@@ -193,8 +249,9 @@ impl<'a> Container<'a> {
         if u32_at(header, 20) != Some(checksum(directory)) {
             return Err(UplinkError::DirectoryCrc);
         }
-        let container = Self {
+        let mut container = Self {
             bytes,
+            set_digest: 0,
             directory: directory.as_chunks::<ENTRY_BYTES>().0,
             header: Header {
                 sequence: u32_at(header, 16).ok_or(short)?,
@@ -204,7 +261,28 @@ impl<'a> Container<'a> {
             },
         };
         container.check_sections(length)?;
+        container.set_digest = container.check_set()?;
         Ok(container)
+    }
+
+    /// The digest of the contents, which every section must carry.
+    fn check_set(&self) -> Result<u64, UplinkError> {
+        let mut digest = SetDigest::new();
+        for (_, offset, size, _) in self.directory.iter().filter_map(read_entry) {
+            digest.update(self.contents(offset, size).ok_or(UplinkError::BadDirectory)?);
+        }
+        let found = digest.value();
+        for (kind, offset, _, _) in self.directory.iter().filter_map(read_entry) {
+            if span(self.bytes, offset, 8).and_then(|carried| u64_at(carried, 0)) != Some(found) {
+                return Err(UplinkError::MixedSet(kind));
+            }
+        }
+        Ok(found)
+    }
+
+    /// A section's bytes behind the set's digest.
+    fn contents(&self, offset: u32, size: u32) -> Option<&'a [u8]> {
+        span(self.bytes, offset, size)?.get(DIGEST_BYTES..)
     }
 
     /// Sections follow one another from the directory's end to the container's, each with its CRC.
@@ -239,7 +317,13 @@ impl<'a> Container<'a> {
         self.header
     }
 
-    /// The bytes of a section.
+    /// The digest of the whole set's contents.
+    #[must_use]
+    pub const fn set_digest(&self) -> u64 {
+        self.set_digest
+    }
+
+    /// The contents of a section.
     ///
     /// # Errors
     /// [`UplinkError::NoSuchSection`].
@@ -248,7 +332,7 @@ impl<'a> Container<'a> {
             .iter()
             .filter_map(read_entry)
             .find(|(number, ..)| *number == kind.number())
-            .and_then(|(_, offset, length, _)| span(self.bytes, offset, length))
+            .and_then(|(_, offset, length, _)| self.contents(offset, length))
             .ok_or(UplinkError::NoSuchSection(kind))
     }
 }
@@ -261,7 +345,7 @@ fn read_entry(entry: &[u8; ENTRY_BYTES]) -> Option<(u16, u32, u32, u32)> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     extern crate std;
     use super::*;
     use std::vec::Vec;
@@ -273,16 +357,29 @@ mod tests {
         mission_digest: [9; 16],
     };
 
-    fn container() -> Vec<u8> {
-        let (plan, mission) = ([1_u8, 2, 3].as_slice(), [4_u8, 5].as_slice());
+    /// A container of these contents, as the ground writes it.
+    pub(crate) fn container_of(header: &Header, contents: &[(SectionKind, &[u8])]) -> Vec<u8> {
+        let mut digest = SetDigest::new();
+        contents.iter().for_each(|(_, bytes)| digest.update(bytes));
+        let carried = digest.value().to_le_bytes();
         let mut directory = Vec::new();
-        directory.extend(entry_to_le_bytes(SectionKind::Plan, 96, 3, checksum(plan)));
-        directory.extend(entry_to_le_bytes(SectionKind::Mission, 99, 2, checksum(mission)));
-        let mut bytes = HEADER.to_le_bytes(101, 2, checksum(&directory)).to_vec();
-        bytes.extend(directory);
-        bytes.extend(plan);
-        bytes.extend(mission);
-        bytes
+        let mut sections = Vec::new();
+        let first = HEADER_BYTES + ENTRY_BYTES * contents.len();
+        for (kind, bytes) in contents {
+            let section = [&carried, *bytes].concat();
+            let offset = u32::try_from(first + sections.len()).unwrap();
+            let size = u32::try_from(section.len()).unwrap();
+            directory.extend(entry_to_le_bytes(*kind, offset, size, checksum(&section)));
+            sections.extend(section);
+        }
+        let length = u32::try_from(first + sections.len()).unwrap();
+        let count = u16::try_from(contents.len()).unwrap();
+        let head = header.to_le_bytes(length, count, checksum(&directory));
+        [&head[..], &directory, &sections].concat()
+    }
+
+    fn container() -> Vec<u8> {
+        container_of(&HEADER, &[(SectionKind::Plan, &[1, 2, 3]), (SectionKind::Mission, &[4, 5])])
     }
 
     #[test]
@@ -315,9 +412,24 @@ mod tests {
     }
 
     #[test]
+    fn a_section_of_another_set_is_refused_with_its_crcs_made_right() {
+        let mut bytes = container();
+        // The plan's contents become another set's; its CRC and the directory's and header's follow.
+        bytes[96 + 8] = 7;
+        let crc = checksum(&bytes[96..107]);
+        bytes[76..80].copy_from_slice(&crc.to_le_bytes());
+        let directory = checksum(&bytes[64..96]);
+        bytes[20..24].copy_from_slice(&directory.to_le_bytes());
+        let header = checksum(&bytes[..60]);
+        bytes[60..64].copy_from_slice(&header.to_le_bytes());
+        let plan = SectionKind::Plan.number();
+        assert_eq!(Container::parse(&bytes).unwrap_err(), UplinkError::MixedSet(plan));
+    }
+
+    #[test]
     fn an_older_version_is_named() {
         let mut bytes = container();
-        bytes[8] = 0;
-        assert_eq!(Container::parse(&bytes).unwrap_err(), UplinkError::Version(0));
+        bytes[8] = 1;
+        assert_eq!(Container::parse(&bytes).unwrap_err(), UplinkError::Version(1));
     }
 }

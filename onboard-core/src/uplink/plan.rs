@@ -13,6 +13,7 @@
 //! | 44..48 | zero |
 
 use crate::bytes::{i32_at, i64_at, put, u16_at, u32_at};
+use crate::convert::index_from_u32;
 use crate::time::Instant;
 
 /// Bytes of one session.
@@ -93,6 +94,9 @@ impl SessionRecord {
 }
 
 impl<'a> PlanTable<'a> {
+    /// No sessions.
+    pub const EMPTY: Self = Self { sessions: &[] };
+
     /// Checks and borrows a section.
     ///
     /// # Errors
@@ -119,6 +123,12 @@ impl<'a> PlanTable<'a> {
             index = index.wrapping_add(1);
         }
         Ok(Self { sessions })
+    }
+
+    /// The session at `index`, by start.
+    #[must_use]
+    pub fn session(&self, index: u32) -> Option<SessionRecord> {
+        SessionRecord::from_le_bytes(self.sessions.get(index_from_u32(index))?)
     }
 
     /// The sessions by start.
@@ -162,6 +172,9 @@ mod tests {
         let bytes = section(&sessions);
         let plan = PlanTable::parse(&bytes).unwrap();
         assert_eq!(plan.sessions().collect::<Vec<_>>(), sessions);
+        assert_eq!(plan.session(3), Some(sessions[3]));
+        assert_eq!(plan.session(4), None);
+        assert_eq!(PlanTable::EMPTY.sessions().count(), 0);
         assert_eq!(PlanTable::parse(&section(&[])).unwrap().sessions().count(), 0);
     }
 

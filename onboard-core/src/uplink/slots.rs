@@ -1,0 +1,382 @@
+//! Two places for containers, of which the newest sound one is active.
+//!
+//! The slots are the caller's memory (flash, as a rule) and are read in place. Which one is active
+//! follows from their contents alone, so that it is the same after a reset. A new container is
+//! checked where it was received ([`Slots::admit`]), written by the caller to the slot that is not
+//! active, and becomes active by being there; a write that is cut short leaves an unsound slot, and
+//! the other one stays active. The only way to an older container is a [`RollbackOrder`]: the
+//! caller then overwrites the newer one's magic by [`REVOKED`] ([`revoke`]); its sequence number
+//! remains readable and is not accepted again.
+//!
+//! A slot may be longer than its container.
+
+use super::{Container, HEADER_BYTES, Header, MAGIC, RollbackOrder, TableError, Tables, checksum};
+use crate::bytes::{field, put, span, u32_at};
+use crate::time::Instant;
+
+/// What stands in place of the magic in a container that was rolled back.
+pub const REVOKED: [u8; 8] = *b"REVOKED\0";
+
+/// One of the two places.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slot {
+    /// The first.
+    A,
+    /// The second.
+    B,
+}
+
+impl Slot {
+    /// The other place.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
+    }
+}
+
+/// Why a slot holds no tables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SlotError {
+    /// Its container (the sequence number) was rolled back.
+    Revoked(u32),
+    /// Its contents are refused.
+    Unsound(TableError),
+}
+
+/// Neither slot holds tables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoTables {
+    /// Why not A.
+    pub a: SlotError,
+    /// Why not B.
+    pub b: SlotError,
+}
+
+/// Why a new container, or a rollback, is refused; the active tables stay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Refusal {
+    /// The candidate's contents.
+    Unsound(TableError),
+    /// The candidate's validity ended at this instant.
+    Expired(Instant),
+    /// The candidate's validity begins only at this instant.
+    NotYetValid(Instant),
+    /// The candidate's sequence number is not above the newest one seen.
+    Older {
+        /// The candidate's.
+        candidate: u32,
+        /// The newest in a slot, revoked ones included.
+        newest: u32,
+    },
+    /// The candidate does not fit into the slot (bytes there, bytes needed).
+    TooLong(usize, usize),
+    /// The rollback order's last instant has passed.
+    OrderExpired(Instant),
+    /// The order leaves another container than the active one (its sequence number).
+    NotActive(u32),
+    /// The other slot does not hold the container that the order returns to.
+    NothingToReturnTo,
+}
+
+/// The tables in use and where they are.
+#[derive(Debug, Clone, Copy)]
+pub struct Active<'a> {
+    /// Their place.
+    pub slot: Slot,
+    /// The tables.
+    pub tables: Tables<'a>,
+}
+
+/// The two places, in borrowed bytes.
+#[derive(Debug, Clone, Copy)]
+pub struct Slots<'a> {
+    /// The first.
+    pub a: &'a [u8],
+    /// The second.
+    pub b: &'a [u8],
+}
+
+impl<'a> Slots<'a> {
+    const fn bytes(&self, slot: Slot) -> &'a [u8] {
+        match slot {
+            Slot::A => self.a,
+            Slot::B => self.b,
+        }
+    }
+
+    fn container(&self, slot: Slot) -> Result<Container<'a>, SlotError> {
+        let bytes = self.bytes(slot);
+        if let Some(sequence) = revoked_sequence(bytes) {
+            return Err(SlotError::Revoked(sequence));
+        }
+        Container::parse(image(bytes))
+            .map_err(|error| SlotError::Unsound(TableError::Container(error)))
+    }
+
+    /// The tables of one slot.
+    ///
+    /// # Errors
+    /// [`SlotError`], why it holds none.
+    pub fn tables(&self, slot: Slot) -> Result<Tables<'a>, SlotError> {
+        let container = self.container(slot)?;
+        Tables::from_container(&container).map_err(SlotError::Unsound)
+    }
+
+    /// The newest sound tables, from the slots' contents alone.
+    ///
+    /// # Errors
+    /// [`NoTables`] when neither slot holds any.
+    pub fn active(&self) -> Result<Active<'a>, NoTables> {
+        // The newer container first; the other only where the newer one's tables are unsound.
+        let first = match (self.sequence(Slot::A), self.sequence(Slot::B)) {
+            (a, Some(b)) if a.is_none_or(|a| b > a) => Slot::B,
+            _ => Slot::A,
+        };
+        let newer = match self.tables(first) {
+            Ok(tables) => return Ok(Active { slot: first, tables }),
+            Err(error) => error,
+        };
+        let older = match self.tables(first.other()) {
+            Ok(tables) => return Ok(Active { slot: first.other(), tables }),
+            Err(error) => error,
+        };
+        Err(match first {
+            Slot::A => NoTables { a: newer, b: older },
+            Slot::B => NoTables { a: older, b: newer },
+        })
+    }
+
+    /// The sequence number of a slot's container.
+    fn sequence(&self, slot: Slot) -> Option<u32> {
+        self.container(slot).ok().map(|container| container.header().sequence)
+    }
+
+    /// The largest sequence number that either slot ever held, as far as it can be read.
+    fn newest(&self) -> Option<u32> {
+        let seen = |slot| self.sequence(slot).or_else(|| revoked_sequence(self.bytes(slot)));
+        seen(Slot::A).max(seen(Slot::B))
+    }
+
+    /// Checks a new container; on success the slot to which the caller is to write it.
+    ///
+    /// # Errors
+    /// [`Refusal`], the reason; the active tables stay.
+    pub fn admit(&self, candidate: &[u8], now: Instant) -> Result<Slot, Refusal> {
+        let header = *Tables::load(candidate).map_err(Refusal::Unsound)?.header();
+        check_validity(&header, now)?;
+        if let Some(newest) = self.newest()
+            && header.sequence <= newest
+        {
+            return Err(Refusal::Older { candidate: header.sequence, newest });
+        }
+        let slot = self.active().map_or(Slot::A, |active| active.slot.other());
+        let room = self.bytes(slot).len();
+        if room < candidate.len() {
+            return Err(Refusal::TooLong(room, candidate.len()));
+        }
+        Ok(slot)
+    }
+
+    /// Checks a rollback; on success the slot that the caller is to [`revoke`].
+    ///
+    /// # Errors
+    /// [`Refusal`], the reason; the active tables stay.
+    pub fn roll_back(&self, order: &RollbackOrder, now: Instant) -> Result<Slot, Refusal> {
+        if now > order.until {
+            return Err(Refusal::OrderExpired(order.until));
+        }
+        let active = self.active().map_err(|_| Refusal::NothingToReturnTo)?.slot;
+        match self.sequence(active) {
+            Some(sequence) if sequence == order.from => {}
+            other => return Err(Refusal::NotActive(other.unwrap_or(0))),
+        }
+        let older = self.tables(active.other()).map_err(|_| Refusal::NothingToReturnTo)?;
+        if older.header().sequence != order.to || older.set_digest() != order.to_digest {
+            return Err(Refusal::NothingToReturnTo);
+        }
+        check_validity(older.header(), now)?;
+        Ok(active)
+    }
+}
+
+/// Marks a slot's container as rolled back: its magic becomes [`REVOKED`].
+///
+/// False when the slot is too short for a container.
+pub fn revoke(slot: &mut [u8]) -> bool {
+    slot.len() >= HEADER_BYTES && put(slot, 0, REVOKED)
+}
+
+fn check_validity(header: &Header, now: Instant) -> Result<(), Refusal> {
+    if now > header.valid_until {
+        Err(Refusal::Expired(header.valid_until))
+    } else if now < header.valid_from {
+        Err(Refusal::NotYetValid(header.valid_from))
+    } else {
+        Ok(())
+    }
+}
+
+/// The container in a slot: as long as its header says, where that fits.
+fn image(slot: &[u8]) -> &[u8] {
+    u32_at(slot, 12).and_then(|length| span(slot, 0, length)).unwrap_or(slot)
+}
+
+/// The sequence number of a revoked container whose header is otherwise whole.
+fn revoked_sequence(slot: &[u8]) -> Option<u32> {
+    if field(slot, 0) != Some(REVOKED) {
+        return None;
+    }
+    let mut header: [u8; HEADER_BYTES] = field(slot, 0)?;
+    put(&mut header, 0, MAGIC);
+    let covered = header.first_chunk::<60>()?;
+    (u32_at(&header, 60)? == checksum(covered)).then_some(())?;
+    u32_at(&header, 16)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::direction::MotionBounds;
+    use crate::ephemeris::Span;
+    use crate::phase::{Phase, Rotor, TurnRate};
+    use crate::scan::ScanParameters;
+    use crate::uplink::tests::container_of;
+    use crate::uplink::{Counts, MissionTable, SectionKind, SunRecord};
+    use core::num::NonZeroU64;
+    use std::vec;
+    use std::vec::Vec;
+
+    const NOW: Instant = Instant::from_tai_ns(100);
+
+    fn ephemeris() -> Vec<u8> {
+        let span = Span {
+            body: 5,
+            coefficients: 1,
+            granules: 1,
+            first: 0,
+            start: Instant::from_tai_ns(0),
+            granule_ns: NonZeroU64::new(1000).unwrap(),
+            bounds: MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 1.0 },
+        };
+        let mut bytes = [1_u32.to_le_bytes(), 3_u32.to_le_bytes()].concat();
+        bytes.extend(span.to_le_bytes());
+        [0.0, 0.0, 1.0_f64].iter().for_each(|number| bytes.extend(number.to_le_bytes()));
+        bytes
+    }
+
+    /// A container with the circular Sun and no plan, valid for (from, until).
+    fn uplink(sequence: u32, (from, until): (i64, i64)) -> Vec<u8> {
+        let rotor = Rotor { rate: TurnRate::from_bits(1 << 80), start: Phase::ZERO };
+        let parameters = ScanParameters {
+            start: Instant::from_tai_ns(0),
+            alpha_rad: 0.7,
+            beta_rad: 0.8,
+            precession: rotor,
+            spin: rotor,
+        };
+        let sun = SunRecord::Circular(rotor);
+        let mission = MissionTable::fixed_to_le_bytes(&parameters, sun, Counts::default(), 0.01);
+        let header = Header {
+            sequence,
+            valid_from: Instant::from_tai_ns(from),
+            valid_until: Instant::from_tai_ns(until),
+            mission_digest: [3; 16],
+        };
+        container_of(
+            &header,
+            &[(SectionKind::Ephemeris, &ephemeris()), (SectionKind::Mission, &mission)],
+        )
+    }
+
+    fn padded(container: &[u8]) -> Vec<u8> {
+        let mut slot = vec![0xff; 1000];
+        slot[..container.len()].copy_from_slice(container);
+        slot
+    }
+
+    #[test]
+    fn the_newest_sound_slot_is_active_whatever_its_place() {
+        let (old, new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
+        let slots = Slots { a: &old, b: &new };
+        assert_eq!(slots.active().unwrap().slot, Slot::B);
+        let slots = Slots { a: &new, b: &old };
+        assert_eq!(slots.active().unwrap().slot, Slot::A);
+        let blank = vec![0xff; 1000];
+        let slots = Slots { a: &blank, b: &old };
+        assert_eq!(slots.active().unwrap().slot, Slot::B);
+        let slots = Slots { a: &blank, b: &blank };
+        let none = slots.active().unwrap_err();
+        assert!(matches!(none.a, SlotError::Unsound(TableError::Container(_))));
+        assert_eq!(slots.admit(&uplink(1, (0, 900)), NOW), Ok(Slot::A));
+    }
+
+    #[test]
+    fn a_write_that_is_cut_short_leaves_the_active_tables() {
+        let active = padded(&uplink(4, (0, 900)));
+        let candidate = uplink(5, (0, 900));
+        let mut other = vec![0xff; 1000];
+        for written in 0..=candidate.len() {
+            other[..written].copy_from_slice(&candidate[..written]);
+            let now_active = Slots { a: &active, b: &other }.active().unwrap();
+            let expected = if written == candidate.len() { Slot::B } else { Slot::A };
+            assert_eq!(now_active.slot, expected, "{written} bytes written");
+        }
+    }
+
+    #[test]
+    fn what_is_not_admitted_has_a_reason() {
+        let (old, new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
+        let slots = Slots { a: &old, b: &new };
+        assert_eq!(slots.admit(&uplink(6, (0, 900)), NOW), Ok(Slot::A));
+        let older = Refusal::Older { candidate: 5, newest: 5 };
+        assert_eq!(slots.admit(&uplink(5, (0, 900)), NOW), Err(older));
+        let ended = Instant::from_tai_ns(99);
+        assert_eq!(slots.admit(&uplink(6, (0, 99)), NOW), Err(Refusal::Expired(ended)));
+        let begins = Instant::from_tai_ns(101);
+        assert_eq!(slots.admit(&uplink(6, (101, 900)), NOW), Err(Refusal::NotYetValid(begins)));
+        let mut damaged = uplink(6, (0, 900));
+        damaged[200] ^= 1;
+        assert!(matches!(slots.admit(&damaged, NOW), Err(Refusal::Unsound(_))));
+        let small = Slots { a: &old[..300], b: &new };
+        assert_eq!(
+            small.admit(&uplink(6, (0, 900)), NOW),
+            Err(Refusal::TooLong(300, uplink(6, (0, 900)).len()))
+        );
+    }
+
+    #[test]
+    fn only_its_own_order_leads_back() {
+        let (old, mut new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
+        let slots = Slots { a: &old, b: &new };
+        let digest = slots.tables(Slot::A).unwrap().set_digest();
+        let order =
+            RollbackOrder { from: 5, to: 4, to_digest: digest, until: Instant::from_tai_ns(200) };
+        let late = Instant::from_tai_ns(201);
+        assert_eq!(slots.roll_back(&order, late), Err(Refusal::OrderExpired(order.until)));
+        let other = RollbackOrder { from: 6, ..order };
+        assert_eq!(slots.roll_back(&other, NOW), Err(Refusal::NotActive(5)));
+        let other = RollbackOrder { to_digest: digest ^ 1, ..order };
+        assert_eq!(slots.roll_back(&other, NOW), Err(Refusal::NothingToReturnTo));
+        assert_eq!(slots.roll_back(&order, NOW), Ok(Slot::B));
+
+        assert!(revoke(&mut new));
+        let slots = Slots { a: &old, b: &new };
+        assert_eq!(slots.active().unwrap().slot, Slot::A);
+        assert_eq!(slots.tables(Slot::B).unwrap_err(), SlotError::Revoked(5));
+        assert_eq!(slots.roll_back(&order, NOW), Err(Refusal::NotActive(4)), "once only");
+        let again = Refusal::Older { candidate: 5, newest: 5 };
+        assert_eq!(slots.admit(&uplink(5, (0, 900)), NOW), Err(again), "not by the back door");
+        assert_eq!(slots.admit(&uplink(6, (0, 900)), NOW), Ok(Slot::B));
+    }
+
+    #[test]
+    fn tables_must_cover_their_validity() {
+        let candidate = uplink(1, (0, 1000));
+        assert!(Tables::load(&candidate).is_ok(), "no body is needed with the circular Sun");
+        assert!(!revoke(&mut [0; 10]));
+    }
+}
