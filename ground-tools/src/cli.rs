@@ -175,6 +175,13 @@ pub enum TableVerb {
         /// The table
         file: PathBuf,
     },
+    /// Say what changes when a second table follows a first one
+    Diff {
+        /// The table on board
+        old: PathBuf,
+        /// The table to follow it
+        new: PathBuf,
+    },
     /// Compare a table with the ephemeris; exit 1 where it misses
     Verify {
         /// The table
@@ -183,6 +190,44 @@ pub enum TableVerb {
         #[arg(long, value_name = "ANGLE", default_value = "1mas")]
         error: String,
     },
+    /// Write a clock correlation, to --out (default clock.tbl)
+    Clock(ClockArgs),
+    /// Write the order to return to an older table, to --out (default rollback.tbl)
+    Rollback {
+        /// The active table, to be left
+        active: PathBuf,
+        /// The older table in the other slot, to return to
+        older: PathBuf,
+        /// Last time at which the order may be carried out: 2032-05-01T00:00:00Z
+        #[arg(long, value_name = "TIME")]
+        until: String,
+    },
+}
+
+/// `table clock`.
+#[derive(Debug, Clone, Args)]
+pub struct ClockArgs {
+    /// The on-board counter at the reference
+    #[arg(long, value_name = "N")]
+    pub ticks: u64,
+    /// The reference: 2032-04-01T00:00:00Z
+    #[arg(long, value_name = "TIME")]
+    pub at: String,
+    /// Length of a tick in ns of TAI: 1000.0023, or a quotient such as 1e9/65536
+    #[arg(long, value_name = "NS")]
+    pub tick_ns: String,
+    /// For how long after the reference it may be used: 7d
+    #[arg(long, value_name = "DURATION")]
+    pub valid_for: String,
+    /// First time at which it may be used; without it the reference
+    #[arg(long, value_name = "TIME")]
+    pub valid_from: Option<String>,
+    /// Standard uncertainty of the reference in ns
+    #[arg(long, value_name = "NS", default_value_t = 0)]
+    pub uncertainty_ns: u32,
+    /// The record's sequence number, growing with every record
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub sequence: u32,
 }
 
 /// `plan`.

@@ -9,8 +9,9 @@ use ephem::time::format_tdb;
 use onboard_core::field_of_view::FieldShape;
 use onboard_core::time::Instant;
 use onboard_core::uplink::{
-    ENTRY_BYTES, HEADER_BYTES, Header, MissionTable, SectionKind, SessionRecord, SunRecord,
-    TelescopeRecord, UplinkError, checksum, entry_to_le_bytes,
+    AvoidanceRecord, Counts, DetectorRecord, ENTRY_BYTES, HEADER_BYTES, Header, MissionTable,
+    Refusal, SectionKind, SessionRecord, SetDigest, SunRecord, TableError, TelescopeRecord,
+    UplinkError, checksum, entry_to_le_bytes,
 };
 
 /// What a container is made from.
@@ -40,9 +41,15 @@ impl Contents<'_> {
         if let Some(sessions) = self.sessions {
             sections.push((SectionKind::Plan, plan_section(sessions)?));
         }
+        let mut set = SetDigest::new();
+        for (_, contents) in &sections {
+            set.update(contents);
+        }
+        let carried = set.value().to_le_bytes();
         let mut directory = Vec::new();
         let mut offset = HEADER_BYTES + ENTRY_BYTES * sections.len();
-        for (kind, bytes) in &sections {
+        for (kind, bytes) in &mut sections {
+            bytes.splice(0..0, carried);
             directory.extend(entry_to_le_bytes(
                 *kind,
                 length(offset)?,
@@ -85,16 +92,18 @@ fn length(bytes: usize) -> Result<u32, Failure> {
 
 fn mission_section(world: &World) -> Result<Vec<u8>, Failure> {
     let mission = &world.mission;
-    let count = u16::try_from(mission.telescopes.len()).map_err(|_| {
-        Failure::Input(format!(
-            "the uplink table cannot hold {} telescopes: it holds 65535",
-            mission.telescopes.len()
-        ))
-    })?;
+    let detectors = mission.telescopes.iter().map(|telescope| telescope.detectors.len()).sum();
+    let counts = Counts {
+        telescopes: count("telescopes", mission.telescopes.len())?,
+        detectors: count("detectors", detectors)?,
+        avoidance: count("avoidance limits", world.avoided.len())?,
+    };
     let sun = world.circular_sun.map_or(SunRecord::Table, SunRecord::Circular);
-    let mut bytes = MissionTable::fixed_to_le_bytes(world.scan.parameters(), sun, count).to_vec();
+    let radius = mission.calibration.radius_rad();
+    let fixed = MissionTable::fixed_to_le_bytes(world.scan.parameters(), sun, counts, radius);
+    let mut bytes = fixed.to_vec();
     for telescope in &mission.telescopes {
-        let circle = FieldShape::Circle(mission.calibration.radius_rad());
+        let circle = FieldShape::Circle(radius);
         let record = TelescopeRecord {
             rotation: telescope.rotation,
             hwp: telescope.hwp,
@@ -102,7 +111,23 @@ fn mission_section(world: &World) -> Result<Vec<u8>, Failure> {
         };
         bytes.extend(record.to_le_bytes());
     }
+    for (telescope, it) in (0_u16..).zip(&mission.telescopes) {
+        for named in &it.detectors {
+            let record = DetectorRecord { rotation: named.rotation, telescope };
+            bytes.extend(record.to_le_bytes());
+        }
+    }
+    for (source, angle_rad) in &world.avoided {
+        let record = AvoidanceRecord { body: source.body(), angle_rad: *angle_rad };
+        bytes.extend(record.to_le_bytes());
+    }
     Ok(bytes)
+}
+
+fn count(what: &str, number: usize) -> Result<u16, Failure> {
+    u16::try_from(number).map_err(|_| {
+        Failure::Input(format!("the uplink table cannot hold {number} {what}: it holds 65535"))
+    })
 }
 
 fn plan_section(sessions: &[SessionRecord]) -> Result<Vec<u8>, Failure> {
@@ -138,8 +163,57 @@ pub fn told(error: UplinkError) -> String {
         UplinkError::SectionCrc(kind) => {
             format!("it is damaged: the CRC of section {} does not match", section_name(kind))
         }
+        UplinkError::MixedSet(kind) => format!(
+            "its sections come from different sets: section {} carries another set's digest",
+            section_name(kind)
+        ),
         UplinkError::NoSuchSection(kind) => {
             format!("it has no section {}", section_name(kind.number()))
+        }
+    }
+}
+
+/// Why the flight core refuses a container's contents, in words.
+#[must_use]
+pub fn contents_told(error: TableError) -> String {
+    match error {
+        TableError::Container(error) => told(error),
+        TableError::Ephemeris(error) => crate::passes::told(error),
+        TableError::Mission(error) => format!("its mission is refused: {error:?}"),
+        TableError::Plan(error) => format!("its plan is refused: {error:?}"),
+        TableError::Coverage(body) => {
+            format!("body {body} of its ephemeris does not cover its validity")
+        }
+        TableError::SessionOutside(index) => {
+            format!("session {index} of its plan lies outside its validity")
+        }
+        TableError::SessionTelescope(index) => {
+            format!("session {index} of its plan names a telescope that its mission does not have")
+        }
+    }
+}
+
+/// Why a spacecraft would refuse a container, in words.
+#[must_use]
+pub fn refusal_told(refusal: Refusal) -> String {
+    match refusal {
+        Refusal::Unsound(error) => contents_told(error),
+        Refusal::Expired(until) => format!("its validity ends at {} TDB", format_tdb(until)),
+        Refusal::NotYetValid(from) => format!("its validity begins at {} TDB", format_tdb(from)),
+        Refusal::Older { candidate, newest } => format!(
+            "its sequence number {candidate} is not above {newest}: build it with --sequence {} or \
+             above",
+            u64::from(newest) + 1
+        ),
+        Refusal::TooLong(room, needed) => {
+            format!("it takes {needed} bytes where the slot has {room}")
+        }
+        Refusal::OrderExpired(until) => {
+            format!("the order could be carried out until {} TDB", format_tdb(until))
+        }
+        Refusal::NotActive(active) => format!("the active container has sequence number {active}"),
+        Refusal::NothingToReturnTo => {
+            "the other slot does not hold the container to return to".to_owned()
         }
     }
 }

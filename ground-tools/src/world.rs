@@ -10,6 +10,7 @@ use crate::failure::Failure;
 use crate::mission::calibration::{CalibrationSource, SourceDirection};
 use crate::mission::orbit::{Observer, Trajectory as TrajectoryKey};
 use crate::mission::{FilePath, Mission};
+use crate::rounding;
 use ephem::apparent::{Corrections, Sky};
 use ephem::fit::{FitOptions, FittedTable, fit};
 use ephem::kernel::Kernel;
@@ -38,6 +39,8 @@ pub struct World {
     pub sky: Sky,
     /// Its targets, in the mission's order.
     pub targets: Vec<Source>,
+    /// What fields of view must keep away from, and by how many radians.
+    pub avoided: Vec<(Source, f64)>,
     /// The circular Sun's anti-Sun longitude, where the mission asks for that model.
     pub circular_sun: Option<Rotor>,
 }
@@ -89,8 +92,15 @@ impl World {
             .iter()
             .map(|name| source(&mission, name))
             .collect::<Result<Vec<_>, _>>()?;
+        let avoided = mission
+            .calibration
+            .schedule
+            .avoidance
+            .iter()
+            .map(|it| Ok((source(&mission, &it.body)?, rounding::radians(it.angle_deg.exact()))))
+            .collect::<Result<Vec<_>, Failure>>()?;
         let circular_sun = circular_sun(&mission, &sky, start)?;
-        Ok(Self { mission, start, end, scan, sky, targets, circular_sun })
+        Ok(Self { mission, start, end, scan, sky, targets, avoided, circular_sun })
     }
 
     /// Keeps only the targets named, in the mission's order; none named keeps all.
@@ -116,13 +126,25 @@ impl World {
         self.targets.iter().find(|source| source.name() == name)
     }
 
-    /// Fits the table of the Sun and the targets over the mission.
+    /// All whose directions go on board: the targets, and what is avoided without being one.
+    #[must_use]
+    pub fn sources(&self) -> Vec<Source> {
+        let mut sources = self.targets.clone();
+        for (source, _) in &self.avoided {
+            if sources.iter().all(|it| it.body() != source.body()) {
+                sources.push(source.clone());
+            }
+        }
+        sources
+    }
+
+    /// Fits the table of the Sun, the targets and the bodies to avoid over the mission.
     ///
     /// # Errors
     /// [`Failure::Input`] where kernel, trajectory or sources do not cover the mission.
     pub fn tables(&self, options: &FitOptions) -> Result<Tables, Failure> {
         let span = (self.start, self.end);
-        let fitted = fit(&self.sky, &self.targets, span, options).map_err(Failure::input)?;
+        let fitted = fit(&self.sky, &self.sources(), span, options).map_err(Failure::input)?;
         Ok(Tables { fitted })
     }
 

@@ -183,8 +183,19 @@ fn uplink_tables() {
     check(&flip(good.len() - 1), &["bad.tbl", "damaged", "mission"]);
     let mut older = good.clone();
     older[8] = 0;
-    check(&older, &["bad.tbl", "format version is 0", "version 1 is needed"]);
+    check(&older, &["bad.tbl", "format version is 0", "version 2 is needed"]);
     refused(folder.path(), &["table", "inspect", "none.tbl"], &["none.tbl"]);
+    refused(folder.path(), &["table", "diff", "good.tbl", "none.tbl"], &["none.tbl"]);
+    let back = ["table", "rollback", "good.tbl", "good.tbl", "--until", "2032-05-01T00:00:00Z"];
+    refused(folder.path(), &back, &["good.tbl has sequence 1", "a smaller one"]);
+    let clock = |tick: &'static str, at: &'static str| {
+        ["table", "clock", "--ticks", "5", "--tick-ns", tick, "--valid-for", "7d", "--at", at]
+    };
+    refused(folder.path(), &clock("0", "2032-04-01T00:00:00Z"), &["--tick-ns 0", "above 0"]);
+    refused(folder.path(), &clock("1000", "2032-04-01T00:00:00"), &["--at", "time scale"]);
+    refused(folder.path(), &clock("ten", "2032-04-01T00:00:00Z"), &["--tick-ns ten"]);
+    std::fs::write(&bad, b"GYRCLOCK, but not a whole one").unwrap();
+    refused(folder.path(), &["table", "inspect", "bad.tbl"], &["bad.tbl", "72 bytes", "29"]);
 
     // A sound table of another mission fails the check instead: exit code 1.
     let (code, error) = run(

@@ -342,3 +342,51 @@ fn detectors_are_kept_apart_and_twins_agree() {
         assert!((hours.as_f64().unwrap() * 3600.0 - seconds).abs() < 1e-6, "{name}: {hours}");
     }
 }
+
+#[test]
+fn tables_are_told_apart_and_their_records_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let limits = "calibration.schedule.avoidance=[{ body = \"earth\", angle_deg = 30.0 }]";
+    let (old, new) = (path("old.tbl"), path("new.tbl"));
+    stdout(&["table", "build", "--duration", "30d", "--out", &old]);
+    let build = ["table", "build", "--duration", "40d", "--sequence", "2", "--set", limits];
+    stdout(&[&build[..], &["--out", &new]].concat());
+
+    let inspected = json(&["table", "inspect", &new, "--json"]);
+    assert_eq!((&inspected["avoidance"], &inspected["sequence"]), (&1.into(), &2.into()));
+    let forwards = json(&["table", "diff", &old, &new, "--json"]);
+    assert_eq!(forwards["accepted"], true, "{forwards}");
+    let bodies = forwards["bodies"].as_array().unwrap();
+    let earth = bodies.iter().find(|it| it["name"] == "the Earth").unwrap();
+    assert_eq!(earth["in"], "new");
+    let sun = bodies.iter().find(|it| it["body"] == 10).unwrap();
+    let mas = sun["max_difference_mas"].as_f64().unwrap();
+    assert!(mas > 0.0 && mas < 2.0, "two fits to 1 mas differ by at most 2: {mas}");
+    let fields: Vec<&str> = forwards["fields"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|it| it["field"].as_str().unwrap())
+        .collect();
+    assert_eq!(fields, ["sequence", "validity", "mission SHA-256", "avoidance"]);
+    let backwards = json(&["table", "diff", &new, &old, "--json"]);
+    assert_eq!(backwards["accepted"], false);
+    assert!(backwards["refusal"].as_str().unwrap().contains("--sequence 3"), "{backwards}");
+    assert_eq!(json(&["table", "diff", &new, &new, "--json"])["identical"], true);
+
+    let (clock, back) = (path("clock.tbl"), path("rollback.tbl"));
+    let at = ["--at", "2032-04-01T00:00:00 TAI", "--valid-for", "7d"];
+    let record = ["table", "clock", "--ticks", "5", "--tick-ns", "1e9/65536", "--out", &clock];
+    stdout(&[&record[..], &at].concat());
+    let told = json(&["table", "inspect", &clock, "--json"]);
+    // 1e9/65536 = 15258 + 101/128.
+    assert_eq!(told["tick_ns"], "15258 + 14555633995661443072/2^64");
+    assert_eq!(told["at_tai_ns"], 1_017_662_400_000_000_000_i64);
+    let until = ["--until", "2032-05-01T00:00:00Z", "--out", &back];
+    stdout(&[&["table", "rollback", &new, &old][..], &until].concat());
+    let told = json(&["table", "inspect", &back, "--json"]);
+    assert_eq!((&told["from"], &told["to"]), (&2.into(), &1.into()));
+    let set = json(&["table", "inspect", &old, "--json"]);
+    assert_eq!(told["to_set_digest"], set["set_digest"]);
+}

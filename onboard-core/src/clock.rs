@@ -231,12 +231,12 @@ mod tests {
                 valid_until: Instant::from_tai_ns(i64::MAX),
                 ..RECORD
             };
-            let difference = i128::from(ticks.wrapping_sub(77) as i64);
+            let difference = i128::from(ticks.wrapping_sub(77).cast_signed());
             // The difference in two halves of 32 bits keeps every product inside i128.
             let (high, low) = (difference >> 32, difference & 0xffff_ffff);
             let tick = i128::try_from(tick).unwrap();
-            let expected = i128::from(at)
-                + ((high * (tick >> 32)) + ((high * (tick & 0xffff_ffff) + (low * tick >> 32)) >> 32));
+            let carried = high * (tick & 0xffff_ffff) + ((low * tick) >> 32);
+            let expected = i128::from(at) + high * (tick >> 32) + (carried >> 32);
             match record.instant(ticks) {
                 Ok(instant) => {
                     prop_assert!((i128::from(instant.tai_ns()) - expected).abs() <= 1);

@@ -45,3 +45,4 @@ pub mod attitude;
 pub mod transit;
 pub mod uplink;
 pub mod clock;
+pub mod sequencer;

@@ -197,8 +197,14 @@ impl<'a> MissionTable<'a> {
 
     /// The scanning strategy.
     #[must_use]
-    pub const fn strategy(&self) -> ScanStrategy {
-        self.strategy
+    pub const fn strategy(&self) -> &ScanStrategy {
+        &self.strategy
+    }
+
+    /// Which Sun model the mission uses.
+    #[must_use]
+    pub const fn sun_record(&self) -> SunRecord {
+        self.sun
     }
 
     /// The Sun model, on the ephemeris of the same container.

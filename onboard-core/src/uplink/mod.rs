@@ -360,7 +360,9 @@ pub(crate) mod tests {
     /// A container of these contents, as the ground writes it.
     pub(crate) fn container_of(header: &Header, contents: &[(SectionKind, &[u8])]) -> Vec<u8> {
         let mut digest = SetDigest::new();
-        contents.iter().for_each(|(_, bytes)| digest.update(bytes));
+        for (_, bytes) in contents {
+            digest.update(bytes);
+        }
         let carried = digest.value().to_le_bytes();
         let mut directory = Vec::new();
         let mut sections = Vec::new();

@@ -131,6 +131,15 @@ impl<'a> PlanTable<'a> {
         SessionRecord::from_le_bytes(self.sessions.get(index_from_u32(index))?)
     }
 
+    /// The index of the first session that starts at or after `at`.
+    #[must_use]
+    pub fn first_from(&self, at: Instant) -> u32 {
+        let before = |record: &[u8; SESSION_BYTES]| {
+            i64_at(record, 0).is_some_and(|start| start < at.tai_ns())
+        };
+        u32::try_from(self.sessions.partition_point(before)).unwrap_or(u32::MAX)
+    }
+
     /// The sessions by start.
     pub fn sessions(&self) -> impl Iterator<Item = SessionRecord> + 'a {
         self.sessions.iter().filter_map(SessionRecord::from_le_bytes)
@@ -174,6 +183,8 @@ mod tests {
         assert_eq!(plan.sessions().collect::<Vec<_>>(), sessions);
         assert_eq!(plan.session(3), Some(sessions[3]));
         assert_eq!(plan.session(4), None);
+        let first = |ns| plan.first_from(Instant::from_tai_ns(ns));
+        assert_eq!([first(-1), first(1), first(5), first(6), first(101)], [0, 1, 1, 3, 4]);
         assert_eq!(PlanTable::EMPTY.sessions().count(), 0);
         assert_eq!(PlanTable::parse(&section(&[])).unwrap().sessions().count(), 0);
     }

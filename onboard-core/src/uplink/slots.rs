@@ -193,11 +193,11 @@ impl<'a> Slots<'a> {
             Some(sequence) if sequence == order.from => {}
             other => return Err(Refusal::NotActive(other.unwrap_or(0))),
         }
-        let older = self.tables(active.other()).map_err(|_| Refusal::NothingToReturnTo)?;
-        if older.header().sequence != order.to || older.set_digest() != order.to_digest {
+        let target = self.tables(active.other()).map_err(|_| Refusal::NothingToReturnTo)?;
+        if target.header().sequence != order.to || target.set_digest() != order.to_digest {
             return Err(Refusal::NothingToReturnTo);
         }
-        check_validity(older.header(), now)?;
+        check_validity(target.header(), now)?;
         Ok(active)
     }
 }
@@ -264,7 +264,7 @@ mod tests {
         };
         let mut bytes = [1_u32.to_le_bytes(), 3_u32.to_le_bytes()].concat();
         bytes.extend(span.to_le_bytes());
-        [0.0, 0.0, 1.0_f64].iter().for_each(|number| bytes.extend(number.to_le_bytes()));
+        bytes.extend([0.0, 0.0, 1.0_f64].iter().flat_map(|number| number.to_le_bytes()));
         bytes
     }
 

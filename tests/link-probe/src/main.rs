@@ -12,6 +12,7 @@
 mod faults;
 
 use onboard_core::attitude::{Sweep, attitude, crossing_angle_rad, sweep};
+use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
 use onboard_core::detector::detector_at;
 use onboard_core::direction::{Direction, DirectionState, MotionBounds};
 use onboard_core::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SPAN_BYTES, Span};
@@ -21,14 +22,18 @@ use onboard_core::hwp::hwp_phase;
 use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::rotation::{Rotation, RotationError};
 use onboard_core::scan::{ScanError, ScanParameters, ScanStrategy};
+use onboard_core::sequencer::{
+    EventQueue, Sequencer, Settings, SettingsError, Situation, Stamped, State, Tick,
+};
 use onboard_core::sun::{AntiSunAxes, SunModel};
 use onboard_core::time::{Duration, Instant};
 use onboard_core::transit::{Channel, SearchState, Step, Transit, TransitFinder};
 use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::uplink::{
-    Container, Header, MissionError, MissionTable, PlanError, PlanTable, SESSION_BYTES,
-    SectionKind, SessionRecord, SunRecord, TelescopeRecord, UplinkError, checksum,
-    entry_to_le_bytes,
+    Active, AvoidanceRecord, Container, Counts, DetectorRecord, Header, MissionError, MissionTable,
+    NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Refusal, RollbackError, RollbackOrder,
+    SESSION_BYTES, SectionKind, SessionRecord, SetDigest, Slot, SlotError, Slots, SunRecord,
+    TableError, Tables, TelescopeRecord, UplinkError, checksum, entry_to_le_bytes, revoke,
 };
 
 unsafe extern "C" {
@@ -42,6 +47,8 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 }
 
 type Bytes = &'static [u8];
+/// A queue of events larger than any flight computer would take.
+const MAX_EVENTS: usize = 65_536;
 type Attitude = Rotation<Detector, Ecliptic>;
 
 /// One `extern "C"` function per line: arguments read from pointers, the result written to one.
@@ -171,16 +178,67 @@ probes! {
     header_to_le_bytes(header: Header, length: u32, sections: u16, crc: u32) -> [u8; 64] { header.to_le_bytes(length, sections, crc) }
     container_parse(bytes: Bytes) -> Result<Container<'static>, UplinkError> { Container::parse(bytes) }
     container_header(container: Container<'static>) -> Header { container.header() }
+    container_set_digest(container: Container<'static>) -> u64 { container.set_digest() }
+    set_digest_new() -> SetDigest { SetDigest::new() }
+    set_digest_update(digest: *mut SetDigest, contents: Bytes) -> () { (&mut *digest).update(contents) }
+    set_digest_value(digest: SetDigest) -> u64 { digest.value() }
     container_section(container: Container<'static>, kind: SectionKind) -> Result<Bytes, UplinkError> { container.section(kind) }
     mission_table_parse(bytes: Bytes) -> Result<MissionTable<'static>, MissionError> { MissionTable::parse(bytes) }
-    mission_table_strategy(table: MissionTable<'static>) -> ScanStrategy { table.strategy() }
+    mission_table_strategy(table: *const MissionTable<'static>) -> ScanStrategy { *(&*table).strategy() }
+    mission_table_sun_record(table: *const MissionTable<'static>) -> SunRecord { (&*table).sun_record() }
+    mission_table_telescope(table: *const MissionTable<'static>, index: u16) -> Option<TelescopeRecord> { (&*table).telescope(index) }
+    mission_table_detectors(table: *const MissionTable<'static>) -> u64 { (&*table).detectors().fold(0, |sum, detector| sum ^ u64::from(detector.telescope)) }
+    mission_table_calibration_field(table: *const MissionTable<'static>, telescope: u16, index: u16) -> Option<FieldOfView> { (&*table).calibration_field(telescope, index) }
+    mission_table_avoidance(table: *const MissionTable<'static>) -> f64 { (&*table).avoidance().fold(0.0, |sum, limit| sum + limit.angle_rad) }
+    mission_table_avoidance_limit(table: *const MissionTable<'static>, index: u16) -> Option<AvoidanceRecord> { (&*table).avoidance_limit(index) }
     mission_table_sun(mission: MissionTable<'static>, table: EphemerisTable<'static>) -> Result<SunModel<'static>, EphemerisError> { mission.sun(table) }
     mission_table_telescopes(mission: MissionTable<'static>) -> f64 { mission.telescopes().fold(0.0, |sum, telescope| sum + telescope.rotation.to_xyzw()[0]) }
-    mission_table_fixed_to_le_bytes(parameters: ScanParameters, sun: SunRecord, telescopes: u16) -> [u8; 104] { MissionTable::fixed_to_le_bytes(&parameters, sun, telescopes) }
+    mission_table_fixed_to_le_bytes(parameters: ScanParameters, sun: SunRecord, counts: Counts, radius: f64) -> [u8; 112] { MissionTable::fixed_to_le_bytes(&parameters, sun, counts, radius) }
     telescope_record_to_le_bytes(telescope: TelescopeRecord) -> [u8; 80] { telescope.to_le_bytes() }
     telescope_record_field_of_view(telescope: TelescopeRecord) -> Result<FieldOfView, FieldOfViewError> { telescope.field_of_view() }
+    detector_record_to_le_bytes(detector: DetectorRecord) -> [u8; 40] { detector.to_le_bytes() }
+    avoidance_record_to_le_bytes(limit: AvoidanceRecord) -> [u8; 16] { limit.to_le_bytes() }
     session_record_to_le_bytes(session: SessionRecord) -> [u8; SESSION_BYTES] { session.to_le_bytes() }
     session_record_from_le_bytes(bytes: [u8; SESSION_BYTES]) -> Option<SessionRecord> { SessionRecord::from_le_bytes(&bytes) }
     plan_table_parse(bytes: Bytes) -> Result<PlanTable<'static>, PlanError> { PlanTable::parse(bytes) }
     plan_table_sessions(plan: PlanTable<'static>) -> u64 { plan.sessions().fold(0, |sum, session| sum ^ u64::from(session.turn)) }
+    plan_table_session(plan: PlanTable<'static>, index: u32) -> Option<SessionRecord> { plan.session(index) }
+    plan_table_first_from(plan: PlanTable<'static>, at: Instant) -> u32 { plan.first_from(at) }
+
+    tables_load(bytes: Bytes) -> Result<Tables<'static>, TableError> { Tables::load(bytes) }
+    tables_header(tables: *const Tables<'static>) -> Header { *(&*tables).header() }
+    tables_set_digest(tables: *const Tables<'static>) -> u64 { (&*tables).set_digest() }
+    tables_ephemeris(tables: *const Tables<'static>) -> EphemerisTable<'static> { (&*tables).ephemeris() }
+    tables_mission(tables: *const Tables<'static>) -> ScanStrategy { *(&*tables).mission().strategy() }
+    tables_plan(tables: *const Tables<'static>) -> PlanTable<'static> { (&*tables).plan() }
+    tables_sun(tables: *const Tables<'static>) -> SunModel<'static> { (&*tables).sun() }
+    slot_other(slot: Slot) -> Slot { slot.other() }
+    slots_tables(slots: Slots<'static>, slot: Slot) -> Result<Tables<'static>, SlotError> { slots.tables(slot) }
+    slots_active(slots: Slots<'static>) -> Result<Active<'static>, NoTables> { slots.active() }
+    slots_admit(slots: Slots<'static>, candidate: Bytes, now: Instant) -> Result<Slot, Refusal> { slots.admit(candidate, now) }
+    slots_roll_back(slots: Slots<'static>, order: RollbackOrder, now: Instant) -> Result<Slot, Refusal> { slots.roll_back(&order, now) }
+    revoke_probe(slot: *mut [u8]) -> bool { revoke(&mut *slot) }
+    rollback_order_from_le_bytes(bytes: [u8; ROLLBACK_BYTES]) -> Result<RollbackOrder, RollbackError> { RollbackOrder::from_le_bytes(&bytes) }
+    rollback_order_to_le_bytes(order: RollbackOrder) -> [u8; ROLLBACK_BYTES] { order.to_le_bytes() }
+
+    clock_correlation_from_le_bytes(bytes: [u8; CLOCK_BYTES]) -> Result<ClockCorrelation, ClockError> { ClockCorrelation::from_le_bytes(&bytes) }
+    clock_correlation_to_le_bytes(clock: ClockCorrelation) -> [u8; CLOCK_BYTES] { clock.to_le_bytes() }
+    clock_correlation_replacing(clock: ClockCorrelation, active: *const ClockCorrelation) -> Result<ClockCorrelation, ClockError> { clock.replacing(Some(&*active)) }
+    clock_correlation_instant(clock: *const ClockCorrelation, ticks: u64) -> Result<Instant, ClockError> { (&*clock).instant(ticks) }
+    clock_correlation_tick_of(ns: u64, fraction: u64) -> u128 { ClockCorrelation::tick_of(ns, fraction) }
+
+    event_queue_new__1() -> EventQueue<1> { EventQueue::new() }
+    event_queue_new__max() -> EventQueue<MAX_EVENTS> { EventQueue::new() }
+    event_queue_pop__1(queue: *mut EventQueue<1>) -> Option<Stamped> { (&mut *queue).pop() }
+    event_queue_pop__max(queue: *mut EventQueue<MAX_EVENTS>) -> Option<Stamped> { (&mut *queue).pop() }
+    event_queue_push__1(queue: *mut EventQueue<1>, stamped: *const Stamped) -> () { (&mut *queue).push(*stamped) }
+    event_queue_push__max(queue: *mut EventQueue<MAX_EVENTS>, stamped: *const Stamped) -> () { (&mut *queue).push(*stamped) }
+    event_queue_dropped__1(queue: *const EventQueue<1>) -> u32 { (&*queue).dropped() }
+    event_queue_dropped__max(queue: *const EventQueue<MAX_EVENTS>) -> u32 { (&*queue).dropped() }
+    sequencer_new(settings: Settings) -> Result<Sequencer, SettingsError> { Sequencer::new(settings) }
+    sequencer_state(sequencer: *const Sequencer) -> State { (&*sequencer).state() }
+    sequencer_stop(sequencer: *mut Sequencer) -> () { (&mut *sequencer).stop() }
+    sequencer_resume(sequencer: *mut Sequencer) -> () { (&mut *sequencer).resume() }
+    sequencer_tick__1(sequencer: *mut Sequencer, situation: *const Situation<'static, 'static>, queue: *mut EventQueue<1>) -> Tick { (&mut *sequencer).tick(&*situation, &mut *queue) }
+    sequencer_tick__max(sequencer: *mut Sequencer, situation: *const Situation<'static, 'static>, queue: *mut EventQueue<MAX_EVENTS>) -> Tick { (&mut *sequencer).tick(&*situation, &mut *queue) }
 }

@@ -1,0 +1,166 @@
+//! `gyrfalcon table inspect`: what a container, a clock correlation or a rollback order holds.
+
+use super::{avoidance_told, hex, load, name, read};
+use crate::cli::SharedArgs;
+use crate::failure::Failure;
+use crate::uplink::span_told;
+use crate::verb::{print_json, tell};
+use ephem::time::format_tdb;
+use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
+use onboard_core::ephemeris::Span;
+use onboard_core::uplink::{ROLLBACK_BYTES, RollbackError, RollbackOrder};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::Path;
+
+pub(super) fn run(shared: &SharedArgs, file: &Path) -> Result<(), Failure> {
+    let bytes = read(file)?;
+    match bytes.get(..8) {
+        Some(b"GYRCLOCK") => return clock(shared, file, &bytes),
+        Some(b"GYRBACK\0") => return rollback(shared, file, &bytes),
+        _ => {}
+    }
+    let tables = load(file, &bytes)?;
+    let header = tables.header();
+    let digest = hex(&header.mission_digest);
+    let spans: Vec<Span> = tables.ephemeris().spans().collect();
+    if shared.json {
+        let spans: Vec<Value> = spans
+            .iter()
+            .map(|span| {
+                json!({
+                    "body": span.body,
+                    "name": name(span.body),
+                    "start_tai_ns": span.start.tai_ns(),
+                    "granules": span.granules,
+                    "granule_ns": span.granule_ns,
+                    "coefficients": span.coefficients,
+                })
+            })
+            .collect();
+        return print_json(&json!({
+            "bytes": bytes.len(),
+            "version": onboard_core::uplink::VERSION,
+            "sequence": header.sequence,
+            "valid_from_tai_ns": header.valid_from.tai_ns(),
+            "valid_until_tai_ns": header.valid_until.tai_ns(),
+            "set_digest": format!("{:016x}", tables.set_digest()),
+            "mission_sha256_prefix": digest,
+            "spans": spans,
+            "telescopes": tables.mission().telescopes().count(),
+            "detectors": tables.mission().detectors().count(),
+            "avoidance": tables.mission().avoidance().count(),
+            "sessions": tables.plan().sessions().count(),
+        }));
+    }
+    let mission = tables.mission();
+    let parameters = *mission.strategy().parameters();
+    let mut text = format!(
+        "{}: {} bytes, format version {}, sequence {}\nvalid {}\nmission SHA-256 {digest}..., set \
+         digest {:016x}\nmission: alpha {} deg, beta {} deg, {} telescopes, {} listed detectors\n",
+        file.display(),
+        bytes.len(),
+        onboard_core::uplink::VERSION,
+        header.sequence,
+        span_told(header.valid_from, header.valid_until),
+        tables.set_digest(),
+        parameters.alpha_rad.to_degrees(),
+        parameters.beta_rad.to_degrees(),
+        mission.telescopes().count(),
+        mission.detectors().count()
+    );
+    for limit in mission.avoidance() {
+        let _ = writeln!(text, "avoidance: {}", avoidance_told(&limit));
+    }
+    let _ = writeln!(text, "plan: {} sessions", tables.plan().sessions().count());
+    let _ = writeln!(
+        text,
+        "\n{:<18} {:>8} {:>12} {:>6}  span",
+        "body", "granules", "granule (d)", "terms"
+    );
+    for span in spans {
+        let end = span.end().unwrap_or(span.start);
+        let granule = onboard_core::time::Duration::from_ns(
+            i64::try_from(span.granule_ns.get()).unwrap_or(i64::MAX),
+        );
+        let _ = writeln!(
+            text,
+            "{:<18} {:>8} {:>12.3} {:>6}  {}",
+            name(span.body),
+            span.granules,
+            granule.seconds() / 86_400.0,
+            span.coefficients,
+            span_told(span.start, end)
+        );
+    }
+    tell(shared, &text)
+}
+
+fn clock(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let refuse = |why: &str| Failure::Input(format!("{}: {why}", file.display()));
+    let record = <&[u8; CLOCK_BYTES]>::try_from(bytes).map_err(|_| {
+        refuse(&format!("a clock correlation takes {CLOCK_BYTES} bytes, not {}", bytes.len()))
+    })?;
+    let record = ClockCorrelation::from_le_bytes(record).map_err(|error| match error {
+        ClockError::Illegal => refuse("its tick has no length, or its validity runs backwards"),
+        _ => refuse("it is damaged: its CRC does not match"),
+    })?;
+    let tick_ns = {
+        let (ns, fraction) = (record.tick_bits >> 64, record.tick_bits & u128::from(u64::MAX));
+        format!("{ns} + {fraction}/2^64")
+    };
+    if shared.json {
+        return print_json(&json!({
+            "sequence": record.sequence,
+            "ticks": record.ticks,
+            "at_tai_ns": record.at.tai_ns(),
+            "tick_ns": tick_ns,
+            "uncertainty_ns": record.uncertainty_ns,
+            "valid_from_tai_ns": record.valid_from.tai_ns(),
+            "valid_until_tai_ns": record.valid_until.tai_ns(),
+        }));
+    }
+    tell(
+        shared,
+        &format!(
+            "{}: clock correlation, sequence {}\ncounter {} at {} TDB (+- {} ns), tick {tick_ns} \
+             ns\nvalid {}\n",
+            file.display(),
+            record.sequence,
+            record.ticks,
+            format_tdb(record.at),
+            record.uncertainty_ns,
+            span_told(record.valid_from, record.valid_until)
+        ),
+    )
+}
+
+fn rollback(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let refuse = |why: &str| Failure::Input(format!("{}: {why}", file.display()));
+    let order = <&[u8; ROLLBACK_BYTES]>::try_from(bytes).map_err(|_| {
+        refuse(&format!("a rollback order takes {ROLLBACK_BYTES} bytes, not {}", bytes.len()))
+    })?;
+    let order = RollbackOrder::from_le_bytes(order).map_err(|error| match error {
+        RollbackError::NotBack => refuse("it does not lead back to an older sequence number"),
+        _ => refuse("it is damaged: its CRC does not match"),
+    })?;
+    if shared.json {
+        return print_json(&json!({
+            "from": order.from,
+            "to": order.to,
+            "to_set_digest": format!("{:016x}", order.to_digest),
+            "until_tai_ns": order.until.tai_ns(),
+        }));
+    }
+    tell(
+        shared,
+        &format!(
+            "{}: rollback from sequence {} to {} (set digest {:016x}), until {} TDB\n",
+            file.display(),
+            order.from,
+            order.to,
+            order.to_digest,
+            format_tdb(order.until)
+        ),
+    )
+}

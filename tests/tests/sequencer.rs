@@ -1,0 +1,421 @@
+//! The sequencer carries out a plan, refuses what disagrees with its own prediction, and holds its
+//! rules whatever the clock does.
+
+use onboard_core::clock::{ClockCorrelation, ClockError};
+use onboard_core::ephemeris::EphemerisTable;
+use onboard_core::field_of_view::{FieldOfView, FieldShape};
+use onboard_core::frame::{Boresight, Telescope};
+use onboard_core::phase::{Phase, Rotor};
+use onboard_core::rotation::Rotation;
+use onboard_core::scan::{ScanParameters, ScanStrategy};
+use onboard_core::sequencer::{
+    AbortReason, Event, EventQueue, MAX_EVALUATIONS_PER_TICK, SafeReason, Sequencer, Settings,
+    Situation, SkipReason, State,
+};
+use onboard_core::sun::SunModel;
+use onboard_core::time::{Duration, Instant};
+use onboard_core::transit::Channel;
+use onboard_core::uplink::{Header, SectionKind, SessionRecord, Tables, TelescopeRecord};
+use std::collections::BTreeMap;
+use tests::uplink::{container, mission, plan};
+use tests::{Noise, Plain, table, transits, turn_rate};
+
+const SECOND: i64 = 1_000_000_000;
+const DAY: i64 = 86_400 * SECOND;
+const BODY: i32 = 5;
+const RADIUS_RAD: f64 = 0.1;
+
+fn sun() -> Rotor {
+    Rotor { rate: turn_rate(31_557_600_000_000_000, 1), start: Phase::from_radians(0.3) }
+}
+
+fn telescope() -> TelescopeRecord {
+    let rotation = Rotation::<Telescope, Boresight>::IDENTITY;
+    TelescopeRecord { rotation, hwp: None, field: FieldShape::Circle(RADIUS_RAD) }
+}
+
+/// A target that moves a little, for 40 days.
+fn ephemeris() -> Vec<u8> {
+    table(BODY, -DAY, 41 * 86_400_000_000_000, &[vec![[0.2, 0.9, 0.05], [0.004, 0.0, 0.002]]])
+}
+
+/// One session per precession turn with passes, over 20 days, 600 s of setup and 300 s of cooldown.
+fn sessions() -> Vec<SessionRecord> {
+    let bytes = ephemeris();
+    let target = EphemerisTable::parse(&bytes).unwrap().body(BODY).unwrap();
+    let scan = Plain::LITEBIRD.strategy();
+    let field = FieldOfView::new(telescope().rotation, telescope().field).unwrap();
+    let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(20 * DAY));
+    let found =
+        transits(&mut [Channel::new(&scan, SunModel::Circular(sun()), target, &field, span)]);
+    let mut turns: BTreeMap<u64, Vec<_>> = BTreeMap::new();
+    for transit in found.iter().filter(|it| !it.entry_clipped && !it.exit_clipped) {
+        turns.entry(scan.turns(transit.closest).0).or_default().push(*transit);
+    }
+    let session = |(turn, passes): (&u64, &Vec<onboard_core::transit::Transit>)| {
+        let first_entry = passes.iter().map(|it| it.entry).min().unwrap();
+        let last_exit = passes.iter().map(|it| it.exit).max().unwrap();
+        SessionRecord {
+            start: first_entry.plus(Duration::from_ns(-600 * SECOND)),
+            end: last_exit.plus(Duration::from_ns(300 * SECOND)),
+            first_entry,
+            last_exit,
+            body: BODY,
+            turn: u32::try_from(*turn).unwrap(),
+            telescope: 0,
+            passes: u16::try_from(passes.len()).unwrap(),
+        }
+    };
+    turns.iter().map(session).filter(|it| it.start >= Instant::from_tai_ns(0)).collect()
+}
+
+fn uplink(sequence: u32, sessions: &[SessionRecord]) -> Vec<u8> {
+    let header = Header {
+        sequence,
+        valid_from: Instant::from_tai_ns(0),
+        valid_until: Instant::from_tai_ns(21 * DAY),
+        mission_digest: [0; 16],
+    };
+    container(
+        &header,
+        &[
+            (SectionKind::Ephemeris, &ephemeris()),
+            (SectionKind::Mission, &mission(&Plain::LITEBIRD, sun(), &[telescope()])),
+            (SectionKind::Plan, &plan(sessions)),
+        ],
+    )
+}
+
+/// A tick of one microsecond, counted from 1000 at the mission's start.
+const CLOCK: ClockCorrelation = ClockCorrelation {
+    sequence: 1,
+    uncertainty_ns: 0,
+    ticks: 1000,
+    at: Instant::from_tai_ns(0),
+    tick_bits: ClockCorrelation::tick_of(1000, 0),
+    valid_from: Instant::from_tai_ns(0),
+    valid_until: Instant::from_tai_ns(30 * DAY),
+};
+
+const SETTINGS: Settings = Settings {
+    telescope: 0,
+    tolerance: Duration::from_ns(SECOND),
+    passes_tolerance: 0,
+    longest_gap: Duration::from_ns(20 * SECOND),
+    check_ahead: Duration::from_ns(3600 * SECOND),
+    steps_per_tick: 8,
+};
+
+fn ticks_at(ns: i64) -> u64 {
+    (ns / 1000 + 1000).cast_unsigned()
+}
+
+struct Flight<'a> {
+    sequencer: Sequencer,
+    events: EventQueue<64>,
+    tables: Option<Tables<'a>>,
+    clock: Option<ClockCorrelation>,
+    strategy: Option<ScanStrategy>,
+    log: Vec<Event>,
+}
+
+impl<'a> Flight<'a> {
+    fn new(uplink: &'a [u8]) -> Self {
+        Self {
+            sequencer: Sequencer::new(SETTINGS).unwrap(),
+            events: EventQueue::new(),
+            tables: Some(Tables::load(uplink).unwrap()),
+            clock: Some(CLOCK),
+            strategy: None,
+            log: Vec::new(),
+        }
+    }
+
+    fn tick(&mut self, ns: i64) -> State {
+        let situation = Situation {
+            ticks: ticks_at(ns),
+            clock: self.clock.as_ref(),
+            tables: self.tables.as_ref(),
+            strategy: self.strategy.as_ref(),
+        };
+        let tick = self.sequencer.tick(&situation, &mut self.events);
+        assert!(tick.evaluations <= MAX_EVALUATIONS_PER_TICK, "{}", tick.evaluations);
+        assert_eq!(tick.state, self.sequencer.state());
+        while let Some(stamped) = self.events.pop() {
+            assert_eq!(stamped.ticks, ticks_at(ns));
+            self.log.push(stamped.event);
+        }
+        tick.state
+    }
+
+    fn run(&mut self, from: i64, to: i64) {
+        let mut ns = from;
+        while ns <= to {
+            self.tick(ns);
+            ns += 10 * SECOND;
+        }
+    }
+
+    fn count(&self, pick: impl Fn(&Event) -> bool) -> usize {
+        self.log.iter().filter(|event| pick(event)).count()
+    }
+
+    fn skips(&self) -> Vec<SkipReason> {
+        let reason = |event: &Event| match event {
+            Event::Skipped(_, reason) => Some(*reason),
+            _ => None,
+        };
+        self.log.iter().filter_map(reason).collect()
+    }
+}
+
+#[test]
+fn every_session_of_a_sound_plan_is_carried_out_at_its_times() {
+    let sessions = sessions();
+    assert!(sessions.len() >= 20, "{}", sessions.len());
+    let bytes = uplink(1, &sessions);
+    let mut flight = Flight::new(&bytes);
+    let mut ns = 0;
+    while ns <= 21 * DAY - 10 * SECOND {
+        let state = flight.tick(ns);
+        let now = Instant::from_tai_ns(ns);
+        let expected = (0_u32..)
+            .zip(&sessions)
+            .find(|(_, it)| it.start <= now && now < it.end)
+            .map_or(State::Idle, |(index, it)| {
+                if now < it.first_entry {
+                    State::Setup(index)
+                } else if now < it.last_exit {
+                    State::Calibrating(index)
+                } else {
+                    State::Cooldown(index)
+                }
+            });
+        assert_eq!(state, expected, "at {ns}");
+        ns += 10 * SECOND;
+    }
+    assert_eq!(flight.count(|it| matches!(it, Event::Started(..))), sessions.len());
+    assert_eq!(flight.count(|it| matches!(it, Event::Ended(_))), sessions.len());
+    assert_eq!(flight.skips(), []);
+    assert_eq!(flight.events.dropped(), 0);
+    flight.tick(21 * DAY + SECOND);
+    let expired = SafeReason::TablesExpired(Instant::from_tai_ns(21 * DAY));
+    assert_eq!(flight.sequencer.state(), State::Safe(expired));
+}
+
+#[test]
+fn sessions_that_disagree_with_the_prediction_are_skipped_with_the_reason() {
+    let good = sessions()[3];
+    let run = |session: SessionRecord| {
+        let bytes = uplink(1, &[session]);
+        let mut flight = Flight::new(&bytes);
+        flight.run(session.start.tai_ns() - 2 * 3600 * SECOND, session.end.tai_ns());
+        flight.skips()
+    };
+    let moved = |at: Instant, seconds: i64| at.plus(Duration::from_ns(seconds * SECOND));
+    assert_eq!(run(good), []);
+    let entry = run(SessionRecord { first_entry: moved(good.first_entry, -3), ..good });
+    assert!(matches!(entry[..], [SkipReason::Entry(by)] if by == Duration::from_ns(3 * SECOND)));
+    let exit = run(SessionRecord { last_exit: moved(good.last_exit, 4), ..good });
+    assert!(matches!(exit[..], [SkipReason::Exit(by)] if by == Duration::from_ns(-4 * SECOND)));
+    // An entry that the plan puts into the middle of a pass is seen as cut off.
+    let inside = run(SessionRecord { first_entry: moved(good.first_entry, 3), ..good });
+    assert!(matches!(inside[..], [SkipReason::Entry(by)] if by.ns() < 0), "{inside:?}");
+    let passes = run(SessionRecord { passes: good.passes + 1, ..good });
+    assert_eq!(passes, [SkipReason::Passes(good.passes)]);
+    let elsewhere = SessionRecord {
+        first_entry: moved(good.last_exit, 30),
+        last_exit: moved(good.last_exit, 60),
+        ..good
+    };
+    assert_eq!(run(elsewhere), [SkipReason::NoPass]);
+}
+
+#[test]
+fn the_measured_attitude_decides() {
+    let good = sessions()[3];
+    let bytes = uplink(1, &[good]);
+    let mut flight = Flight::new(&bytes);
+    // The spin is found a hundredth of a turn behind: 12 s of a turn of 20 min.
+    let nominal = Plain::LITEBIRD.strategy();
+    let behind = Phase::from_radians(-std::f64::consts::TAU / 100.0);
+    let spin =
+        Rotor { start: nominal.parameters().spin.start.plus(behind), ..nominal.parameters().spin };
+    let parameters = ScanParameters { spin, ..*nominal.parameters() };
+    flight.strategy = Some(ScanStrategy::new(parameters).unwrap());
+    flight.run(good.start.tai_ns() - 3600 * SECOND, good.end.tai_ns());
+    let skips = flight.skips();
+    assert!(
+        matches!(skips[..], [SkipReason::Entry(by)] if (by.seconds() - 12.0).abs() < 3.0),
+        "{skips:?}"
+    );
+}
+
+#[test]
+fn without_time_for_the_check_nothing_is_begun() {
+    let good = sessions()[3];
+    let bytes = uplink(1, &[good]);
+    let mut flight = Flight::new(&bytes);
+    flight.run(good.start.tai_ns() - 10 * SECOND, good.end.tai_ns());
+    assert_eq!(flight.skips(), [SkipReason::NotChecked]);
+    // A start that lies before the first tick is not looked at.
+    let mut flight = Flight::new(&bytes);
+    flight.run(good.start.tai_ns() + SECOND, good.end.tai_ns());
+    assert_eq!(flight.skips(), []);
+    assert_eq!(flight.count(|it| matches!(it, Event::Started(..))), 0);
+}
+
+#[test]
+fn without_clock_or_tables_it_is_safe_until_resumed() {
+    let good = sessions()[3];
+    let bytes = uplink(1, &[good]);
+    let middle = good.first_entry.tai_ns() + SECOND;
+    for lose in 0..4 {
+        let mut flight = Flight::new(&bytes);
+        flight.run(good.start.tai_ns() - 3600 * SECOND, middle - 10 * SECOND);
+        assert_eq!(flight.tick(middle), State::Calibrating(0));
+        let expected = match lose {
+            0 => {
+                flight.clock = None;
+                SafeReason::NoClock
+            }
+            1 => {
+                flight.tables = None;
+                SafeReason::NoTables
+            }
+            2 => {
+                let until = Instant::from_tai_ns(middle);
+                flight.clock = Some(ClockCorrelation { valid_until: until, ..CLOCK });
+                SafeReason::Clock(ClockError::Expired(until))
+            }
+            _ => {
+                flight.sequencer.stop();
+                SafeReason::Commanded
+            }
+        };
+        assert_eq!(flight.tick(middle + SECOND), State::Safe(expected));
+        let aborted = Event::Aborted(0, AbortReason::Safe);
+        assert_eq!(flight.count(|it| *it == aborted), 1);
+        // It stays safe when clock and tables are back, and resumes only when told to.
+        flight.clock = Some(CLOCK);
+        flight.tables = Some(Tables::load(&bytes).unwrap());
+        assert_eq!(flight.tick(middle + 2 * SECOND), State::Safe(expected));
+        flight.sequencer.resume();
+        assert_eq!(flight.tick(middle + 3 * SECOND), State::Idle);
+        assert_eq!(flight.count(|it| matches!(it, Event::Started(..))), 1, "not begun again");
+    }
+}
+
+#[test]
+fn jumps_of_the_clock_and_other_tables_give_up_the_session() {
+    let all = sessions();
+    let (good, later) = (all[3], all[4]);
+    let bytes = uplink(1, &[good, later]);
+    let newer = uplink(2, &[later]);
+    let middle = good.first_entry.tai_ns() + SECOND;
+    let calibrating = || {
+        let mut flight = Flight::new(&bytes);
+        flight.run(good.start.tai_ns() - 3600 * SECOND, middle - 10 * SECOND);
+        assert_eq!(flight.tick(middle), State::Calibrating(0));
+        flight
+    };
+    // Back by less than the longest gap: time stands still. By more: safe.
+    let mut flight = calibrating();
+    assert_eq!(flight.tick(middle - 15 * SECOND), State::Calibrating(0));
+    let back = Duration::from_ns(25 * SECOND);
+    let state = flight.tick(middle - 25 * SECOND);
+    assert_eq!(state, State::Safe(SafeReason::TimeReversed(back)));
+    // Forwards by more than the longest gap.
+    let mut flight = calibrating();
+    assert_eq!(flight.tick(middle + 25 * SECOND), State::Idle);
+    assert_eq!(flight.count(|it| *it == Event::Aborted(0, AbortReason::TimeJumped)), 1);
+    // Over the next session's start.
+    flight.tick(later.start.tai_ns() + 21 * SECOND);
+    assert_eq!(flight.skips(), [SkipReason::Missed]);
+    // Other tables.
+    let mut flight = calibrating();
+    flight.tables = Some(Tables::load(&newer).unwrap());
+    assert_eq!(flight.tick(middle + SECOND), State::Idle);
+    assert_eq!(flight.count(|it| *it == Event::Aborted(0, AbortReason::Tables)), 1);
+    flight.run(middle + 2 * SECOND, later.end.tai_ns());
+    assert_eq!(flight.count(|it| matches!(it, Event::Started(0, _))), 2, "then the new plan's");
+}
+
+#[test]
+fn sessions_of_other_telescopes_and_overlaps_are_left_out() {
+    let good = sessions()[3];
+    let other = SessionRecord { telescope: 1, ..good };
+    let header = Header {
+        sequence: 1,
+        valid_from: Instant::from_tai_ns(0),
+        valid_until: Instant::from_tai_ns(21 * DAY),
+        mission_digest: [0; 16],
+    };
+    let two = mission(&Plain::LITEBIRD, sun(), &[telescope(), telescope()]);
+    let bytes = container(
+        &header,
+        &[
+            (SectionKind::Ephemeris, &ephemeris()),
+            (SectionKind::Mission, &two),
+            (SectionKind::Plan, &plan(&[other, good, good])),
+        ],
+    );
+    let mut flight = Flight::new(&bytes);
+    flight.run(good.start.tai_ns() - 3600 * SECOND, good.end.tai_ns());
+    assert_eq!(flight.count(|it| matches!(it, Event::Started(1, _))), 1);
+    assert_eq!(flight.skips(), [SkipReason::Overlap]);
+}
+
+/// Whatever the clock, the tables and the commands do: a session is only ever under way at its own
+/// times, after a check, with a valid clock and valid tables.
+#[test]
+fn the_rules_hold_under_arbitrary_jumps() {
+    let sessions = sessions();
+    let (first, second) = (uplink(1, &sessions), uplink(2, &sessions[5..]));
+    for seed in 0..60 {
+        let mut noise = Noise::new(seed);
+        let mut flight = Flight::new(&first);
+        let mut ns = 0_i64;
+        for _ in 0..20_000 {
+            ns += match noise.bits() % 1000 {
+                0 => (noise.signed() * DAY as f64) as i64,
+                1..=3 => (noise.signed() * 60e9) as i64,
+                _ => (noise.unit() * 20e9) as i64,
+            };
+            ns = ns.clamp(-DAY, 25 * DAY);
+            match noise.bits() % 2000 {
+                0 => flight.clock = None,
+                1 => flight.tables = None,
+                2 => flight.sequencer.stop(),
+                3 => flight.tables = Some(Tables::load(&second).unwrap()),
+                4..=12 => {
+                    flight.clock = Some(CLOCK);
+                    flight.tables = Some(Tables::load(&first).unwrap());
+                    flight.sequencer.resume();
+                }
+                _ => {}
+            }
+            let usable = flight.clock.is_some() && flight.tables.is_some();
+            let state = flight.tick(ns);
+            let (State::Setup(index) | State::Calibrating(index) | State::Cooldown(index)) = state
+            else {
+                continue;
+            };
+            assert!(usable);
+            let tables = flight.tables.unwrap();
+            let session = tables.plan().session(index).unwrap();
+            // A small step back lets time stand still, so the session may be ahead of the counter.
+            let now = Instant::from_tai_ns(ns);
+            let ahead = SETTINGS.longest_gap.ns();
+            assert!(session.start <= now.plus(Duration::from_ns(ahead)) && now < session.end);
+            assert!(tables.header().valid_from <= now && now <= tables.header().valid_until);
+            if matches!(state, State::Calibrating(_)) {
+                assert!(session.first_entry <= now.plus(Duration::from_ns(ahead)));
+                assert!(now < session.last_exit);
+            }
+        }
+        let started = flight.count(|it| matches!(it, Event::Started(..)));
+        let over = flight.count(|it| matches!(it, Event::Ended(_) | Event::Aborted(..)));
+        assert!(started == over || started == over + 1, "{started} {over}");
+    }
+}
