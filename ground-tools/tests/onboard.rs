@@ -1,0 +1,116 @@
+//! What `plan` uplinks is what the flight core carries out: every session, at its times, none
+//! skipped.
+
+#![expect(clippy::unwrap_used, reason = "a test may unwrap")]
+
+use onboard_core::clock::ClockCorrelation;
+use onboard_core::sequencer::{
+    Event, EventQueue, MAX_EVALUATIONS_PER_TICK, Sequencer, Settings, Situation,
+};
+use onboard_core::time::Duration;
+use onboard_core::uplink::Tables;
+use std::path::Path;
+use std::process::Command;
+
+const SECOND: i64 = 1_000_000_000;
+
+/// Sessions planned, and the events of flying through the whole validity in ticks of 20 s.
+fn fly(tables: &Tables<'_>, telescope: u16) -> (usize, Vec<Event>) {
+    let header = tables.header();
+    let clock = ClockCorrelation {
+        sequence: 1,
+        uncertainty_ns: 0,
+        ticks: 0,
+        at: header.valid_from,
+        tick_bits: ClockCorrelation::tick_of(1, 0),
+        valid_from: header.valid_from,
+        valid_until: header.valid_until,
+    };
+    let settings = Settings {
+        telescope,
+        tolerance: Duration::from_ns(1_000_000),
+        passes_tolerance: 0,
+        longest_gap: Duration::from_ns(60 * SECOND),
+        check_ahead: Duration::from_ns(7200 * SECOND),
+        steps_per_tick: 8,
+    };
+    let mut sequencer = Sequencer::new(settings).unwrap();
+    let mut queue = EventQueue::<16>::new();
+    let mut events = Vec::new();
+    let mut at = Duration::ZERO;
+    while header.valid_from.plus(at) <= header.valid_until {
+        let ticks = u64::try_from(at.ns()).unwrap();
+        let situation =
+            Situation { ticks, clock: Some(&clock), tables: Some(tables), strategy: None };
+        let tick = sequencer.tick(&situation, &mut queue);
+        assert!(tick.evaluations <= MAX_EVALUATIONS_PER_TICK);
+        events.extend(std::iter::from_fn(|| queue.pop()).map(|it| it.event));
+        at = Duration::from_ns(at.ns() + 20 * SECOND);
+    }
+    assert_eq!(queue.dropped(), 0);
+    // The last session may end with the mission, where no tick follows.
+    let planned = tables.plan().sessions().filter(|it| it.telescope == telescope).count();
+    (planned, events)
+}
+
+fn plan(folder: &Path, arguments: &[&str]) -> Vec<u8> {
+    let out = folder.join("plan");
+    let out = out.to_str().unwrap();
+    let run = [&["plan", "--quiet", "--force", "--out", out], arguments].concat();
+    let done = Command::new(env!("CARGO_BIN_EXE_gyrfalcon")).args(run).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    std::fs::read(folder.join("plan/uplink.tbl")).unwrap()
+}
+
+#[test]
+fn the_plan_on_board_is_carried_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let focal_plane = folder.path().join("focal_plane.toml");
+    let detector = |name: &str, angle: f64| {
+        format!(
+            "[[telescope.detector]]\nname = \"{name}\"\nquaternion_xyzw = [{}, 0.0, 0.0, {}]\n",
+            (angle / 2.0).sin(),
+            (angle / 2.0).cos()
+        )
+    };
+    let telescope = "[[telescope]]\nname = \"T\"\nfwhm_arcmin = 30.0\n";
+    let own = [
+        "name = \"own\"\nbase = \"pico\"\n",
+        telescope,
+        &detector("a", 0.05),
+        &detector("b", -0.1),
+    ];
+    std::fs::write(&focal_plane, own.concat()).unwrap();
+    let own = focal_plane.to_str().unwrap();
+    let cases: [&[&str]; 4] = [
+        &["--duration", "45d"],
+        &["--duration", "20d", "--set", "scan.spin_sign=-1", "--sun", "circular"],
+        &["--duration", "60d", "--mission", "epic"],
+        &["--duration", "30d", "--mission", own],
+    ];
+    for arguments in cases {
+        let bytes = plan(folder.path(), arguments);
+        let tables = Tables::load(&bytes).unwrap();
+        let telescopes = u16::try_from(tables.mission().telescopes().count()).unwrap();
+        let mut all = 0;
+        for telescope in 0..telescopes {
+            let (planned, events) = fly(&tables, telescope);
+            let started = events.iter().filter(|it| matches!(it, Event::Started(..))).count();
+            let skipped: Vec<_> =
+                events.iter().filter(|it| matches!(it, Event::Skipped(..))).collect();
+            // A session in its first seconds cannot be checked beforehand.
+            let at_start = tables
+                .plan()
+                .sessions()
+                .filter(|it| it.telescope == telescope)
+                .filter(|it| {
+                    it.start <= tables.header().valid_from.plus(Duration::from_ns(1200 * SECOND))
+                })
+                .count();
+            assert!(skipped.len() <= at_start, "{arguments:?} {telescope}: {skipped:?}");
+            assert!(started + at_start >= planned, "{arguments:?}: {started} of {planned}");
+            all += started;
+        }
+        assert!(all >= 3, "{arguments:?}: {all} sessions");
+    }
+}
