@@ -1,140 +1,34 @@
-//! Measured attitudes: what the tracker makes of them, what it refuses, and whether its word holds.
+//! Whether the tracker's word holds: its estimates, its predictions, its stated intervals.
 
 use nalgebra::{DMatrix, DVector};
 use onboard_core::attitude::attitude;
 use onboard_core::direction::Direction;
-use onboard_core::ephemeris::{EphemerisError, EphemerisTable};
+use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::field_of_view::FieldOfView;
-use onboard_core::frame::{Boresight, Ecliptic, Icrf};
-use onboard_core::phase::{Phase, Rotor, TurnRate};
+use onboard_core::frame::{Boresight, Ecliptic};
 use onboard_core::rotation::Rotation;
-use onboard_core::scan::{ScanParameters, ScanStrategy};
-use onboard_core::sun::SunModel;
-use onboard_core::time::{Duration, Instant};
-use onboard_core::tracking::{
-    Measurement, Refusal, ResumeError, ScanAngle, ScanAngles, SettingsError, Tracker,
-    TrackerSettings,
-};
+use onboard_core::scan::ScanStrategy;
+use onboard_core::tracking::{Measurement, ScanAngles, Tracker};
 use onboard_core::transit::{Channel, Transit};
 use onboard_core::uncertainty::ScanCovariance;
-use std::f64::consts::{PI, TAU};
-use tests::{Noise, Plain, table, transits, turn_rate};
+use std::f64::consts::PI;
+use tests::attitudes::{
+    DAY_NS, DAY_OF_ATTITUDES, MINUTE_NS, NOISE_RAD, SETTINGS, Truth, at, errors, measured, sun,
+    tracked,
+};
+use tests::{Noise, Plain, table, transits};
 
-const ARCSEC: f64 = PI / 648_000.0;
-const NOISE_RAD: f64 = 10.0 * ARCSEC;
-const MINUTE_NS: i64 = 60_000_000_000;
-const DAY_NS: i64 = 86_400_000_000_000;
 const RADIUS_RAD: f64 = 0.5 * PI / 180.0;
 
-const SETTINGS: TrackerSettings = TrackerSettings {
-    angle_sigmas_rad: [1e-3, 1e-4, 1e-3],
-    rate_sigmas: [1e-5, 1e-5],
-    angle_walks: [0.0; 3],
-    rate_walks: [0.0; 2],
-    max_age: Duration::from_ns(5 * MINUTE_NS),
-    max_lead: Duration::from_ns(1_000_000),
-    gate: 30.0,
-    limits_rad: [0.1, 0.01, 0.1],
-};
-
-fn at(ns: i64) -> Instant {
-    Instant::from_tai_ns(ns)
+/// The direction a third of the radius aside of the line of sight at `ns`.
+fn beside(scan: &ScanStrategy, ns: i64) -> Direction<Ecliptic> {
+    let aside = Rotation::<Boresight, Boresight>::about_y(RADIUS_RAD / 3.0);
+    aside.then(attitude(scan, &sun(), at(ns)).unwrap()).apply(Direction::Z)
 }
 
-fn sun() -> SunModel<'static> {
-    SunModel::Circular(Rotor {
-        rate: turn_rate(31_557_600_000_000_000, 1),
-        start: Phase::from_radians(0.3),
-    })
-}
-
-/// Two independent standard normal numbers (Box and Muller).
-fn normal_pair(noise: &mut Noise) -> [f64; 2] {
-    let size = (-2.0 * (1.0 - noise.unit()).ln()).sqrt();
-    let (sin, cos) = (TAU * noise.unit()).sin_cos();
-    [size * cos, size * sin]
-}
-
-fn normal(noise: &mut Noise) -> f64 {
-    normal_pair(noise)[0]
-}
-
-/// True errors of a model: angles at instant 0, relative rates.
-#[derive(Clone, Copy)]
-struct Truth {
-    angles: [f64; 3],
-    rates: [f64; 2],
-}
-
-impl Truth {
-    fn drawn(noise: &mut Noise) -> Self {
-        Self {
-            angles: SETTINGS.angle_sigmas_rad.map(|sigma| sigma * normal(noise)),
-            rates: SETTINGS.rate_sigmas.map(|sigma| sigma * normal(noise)),
-        }
-    }
-
-    /// The true scan where `model` is what is believed.
-    fn of(&self, model: &ScanStrategy) -> ScanStrategy {
-        let old = *model.parameters();
-        let moved = |rotor: Rotor, angle: f64, relative: f64| {
-            let change = relative * rotor.rate.radians_per_second();
-            Rotor {
-                rate: rotor.rate.plus(TurnRate::from_radians_per_second(change)),
-                start: rotor.start.plus(Phase::from_radians(angle)),
-            }
-        };
-        ScanStrategy::new(ScanParameters {
-            alpha_rad: old.alpha_rad + self.angles[1],
-            precession: moved(old.precession, self.angles[0], self.rates[0]),
-            spin: moved(old.spin, self.angles[2], self.rates[1]),
-            ..old
-        })
-        .unwrap()
-    }
-}
-
-/// An attitude of `scan` with noise about each axis.
-fn measured(scan: &ScanStrategy, ns: i64, sigma_rad: f64, noise: &mut Noise) -> Measurement {
-    let ([x, y], z) = (normal_pair(noise), normal(noise));
-    let shaken = Rotation::<Boresight, Boresight>::from_xyzw({
-        let [x, y, z] = [x, y, z].map(|n| 0.5 * sigma_rad * n);
-        let length = (1.0 + x * x + y * y + z * z).sqrt();
-        [x / length, y / length, z / length, 1.0 / length]
-    })
-    .unwrap();
-    let attitude = shaken.then(attitude(scan, &sun(), at(ns)).unwrap());
-    Measurement { at: at(ns), attitude, sigma_rad }
-}
-
-/// A tracker that has seen `count` attitudes of `truth`, every `step_ns` from instant 0.
-fn tracked(
-    model: &ScanStrategy,
-    truth: &ScanStrategy,
-    (count, step_ns): (i64, i64),
-    noise: &mut Noise,
-) -> Tracker {
-    let mut tracker = Tracker::new(model, &SETTINGS, at(0)).unwrap();
-    for ns in (0..count).map(|i| i * step_ns) {
-        tracker.update(&sun(), &measured(truth, ns, NOISE_RAD, noise), at(ns)).unwrap();
-    }
-    tracker
-}
-
-/// Every ten minutes for a day.
-const DAY_OF_ATTITUDES: (i64, i64) = (145, 10 * MINUTE_NS);
-
-fn errors(truth: &ScanStrategy, model: &ScanStrategy, ns: i64) -> [f64; 3] {
-    ScanAngles::modelled(truth, at(ns)).minus(&ScanAngles::modelled(model, at(ns)))
-}
-
-/// A fixed source that the boresight of `scan` crosses near `ns`, off its centre by a third of the
-/// radius.
+/// A fixed source that the boresight of `scan` passes at `ns`, a third of the radius aside.
 fn source(scan: &ScanStrategy, ns: i64) -> Vec<u8> {
-    let aside = Direction::new(0.0, 0.0, 1.0).unwrap();
-    let off = Rotation::<Boresight, Boresight>::about_y(RADIUS_RAD / 3.0);
-    let seen = off.then(attitude(scan, &sun(), at(ns)).unwrap()).apply(aside);
-    table(1_000_000, 0, 10 * DAY_NS as u64, &[vec![seen.xyz()]])
+    table(1_000_000, 0, 10 * DAY_NS as u64, &[vec![beside(scan, ns).xyz()]])
 }
 
 fn found(scan: &ScanStrategy, bytes: &[u8], span: (i64, i64)) -> Vec<Transit> {
@@ -272,5 +166,178 @@ fn the_filter_agrees_with_least_squares_over_all_data() {
             assert!((sigma / covariance[(i, i)].sqrt() - 1.0).abs() < 1e-4, "rate sigma {i}");
             assert!((change - estimate[i]).abs() < 1e-3 * sigma, "rate {i}");
         }
+    }
+}
+
+/// Entry, exit and closest approach of predicted transits against true ones, worst case in seconds.
+fn worst_times(predicted: &[Transit], real: &[Transit]) -> (f64, usize) {
+    // A transit that grazes moves its ends by far more than the scan moves; a tenth of the radius
+    // as half-chord bounds that to ten times.
+    let grazing = RADIUS_RAD * 0.99_f64.sqrt();
+    let (mut worst, mut compared) = (0.0_f64, 0);
+    for (these, others) in [(predicted, real), (real, predicted)] {
+        for one in these.iter().filter(|t| t.min_separation_rad < grazing) {
+            let apart = |t: &Transit| t.closest.since(one.closest).seconds().abs();
+            let other = others.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+            let ends = [
+                one.entry.since(other.entry),
+                one.exit.since(other.exit),
+                one.closest.since(other.closest),
+            ];
+            worst = ends.iter().fold(worst, |worst, end| worst.max(end.seconds().abs()));
+            compared += 1;
+        }
+    }
+    (worst, compared)
+}
+
+#[test]
+fn transits_a_day_ahead_hold_a_tenth_of_a_second() {
+    for (seed, plain) in (20..).zip([Plain::LITEBIRD, Plain::PICO, Plain::PLANCK]) {
+        for signs in [(1, 1), (-1, 1), (1, -1), (-1, -1)] {
+            let mut noise = Noise::new(seed);
+            let model = Plain { signs, ..plain }.strategy();
+            let truth = Truth { rates: [1e-5, 1e-5], ..Truth::drawn(&mut noise) }.of(&model);
+            let tracker = tracked(&model, &truth, DAY_OF_ATTITUDES, &mut noise);
+            let mut all = 0;
+            for sources in 0..8 {
+                let centre = 2 * DAY_NS + sources * 2_345_678_901_234;
+                let bytes = source(&truth, centre);
+                let span = (2 * DAY_NS, 2 * DAY_NS + DAY_NS / 4);
+                let real = found(&truth, &bytes, span);
+                let (worst, compared) =
+                    worst_times(&found(tracker.strategy(), &bytes, span), &real);
+                assert!(worst < 0.1, "{signs:?}: {worst} s");
+                all += compared;
+            }
+            assert!(all >= 16, "only {all} transits compared");
+        }
+    }
+}
+
+/// Stated and actual spread of a quantity over many seeds.
+#[derive(Default)]
+struct Spread {
+    /// Actual error and stated standard deviation.
+    cases: Vec<(f64, f64)>,
+}
+
+impl Spread {
+    fn add(&mut self, error: f64, variance: f64) {
+        self.cases.push((error, variance.sqrt()));
+    }
+
+    /// The stated 95 % interval must hold the truth in 93 to 97 % of the cases and be at most 1.5
+    /// times as wide as the interval that holds 95 % of the errors.
+    fn hold(&self, what: &str) {
+        let count = self.cases.len();
+        let inside = self.cases.iter().filter(|(e, sigma)| e.abs() <= 1.96 * sigma).count();
+        let share = inside as f64 / count as f64;
+        let mut errors: Vec<f64> = self.cases.iter().map(|(e, _)| e.abs()).collect();
+        errors.sort_by(f64::total_cmp);
+        let actual = errors[count * 95 / 100];
+        let stated = 1.96 * self.cases.iter().map(|(_, sigma)| sigma).sum::<f64>() / count as f64;
+        assert!((0.93..=0.97).contains(&share), "{what}: {share} inside");
+        assert!(stated <= 1.5 * actual, "{what}: stated {stated:e}, actual {actual:e}");
+    }
+}
+
+const SEEDS: u64 = 1_000;
+
+/// Separation of the line of sight from a fixed direction.
+fn separation(scan: &ScanStrategy, target: Direction<Ecliptic>, ns: i64) -> f64 {
+    attitude(scan, &sun(), at(ns)).unwrap().apply(Direction::Z).separation_rad(target)
+}
+
+/// About how long before `ns` a target beside the line of sight entered the circle: the chord is
+/// nearly straight, so the separation's square grows with that of the time.
+fn half_chord_s(scan: &ScanStrategy, target: Direction<Ecliptic>, ns: i64) -> f64 {
+    let later = separation(scan, target, ns + 10_000_000);
+    let aside = RADIUS_RAD / 3.0;
+    0.01 * ((RADIUS_RAD * RADIUS_RAD - aside * aside) / (later * later - aside * aside)).sqrt()
+}
+
+/// The instant near `ns` at which the target enters the circle, in seconds after `ns`.
+fn entry(scan: &ScanStrategy, target: Direction<Ecliptic>, ns: i64) -> f64 {
+    let depth = |s: f64| separation(scan, target, ns + (s * 1e9).round() as i64) - RADIUS_RAD;
+    let (mut before, mut here) = (-0.05, 0.05);
+    let (mut far, mut near) = (depth(before), depth(here));
+    for _ in 0..12 {
+        if (here - before).abs() < 1e-8 {
+            break;
+        }
+        let next = here - near * (here - before) / (near - far);
+        (before, far) = (here, near);
+        (here, near) = (next, depth(next));
+    }
+    assert!(near.abs() < 1e-9, "no entry near {ns}: {near}");
+    here
+}
+
+/// How the predicted entry moves with each angle, in s/rad, by central differences.
+fn entry_gradient(scan: &ScanStrategy, target: Direction<Ecliptic>, ns: i64) -> [f64; 3] {
+    let h = 1e-5;
+    let rate = (separation(scan, target, ns + 1_000_000)
+        - separation(scan, target, ns - 1_000_000))
+        / 2e-3;
+    let moved =
+        |angles: [f64; 3]| separation(&Truth { angles, rates: [0.0; 2] }.of(scan), target, ns);
+    [0, 1, 2].map(|i| {
+        let mut step = [0.0; 3];
+        step[i] = h;
+        -(moved(step) - moved(step.map(|e| -e))) / (2.0 * h) / rate
+    })
+}
+
+/// Runs `SEEDS` truths and trackers, and holds every angle's and an entry's stated interval at
+/// `predicted_ns`.
+fn intervals_hold(
+    name: &str,
+    plain: Plain,
+    predicted_ns: i64,
+    run: impl Fn(&ScanStrategy, &mut Noise) -> (ScanStrategy, Tracker),
+) {
+    let model = plain.strategy();
+    let mut spreads: [Spread; 4] = Default::default();
+    for seed in 0..SEEDS {
+        let mut noise = Noise::new(seed.wrapping_mul(7_919).wrapping_add(plain.spin_ns));
+        let (truth, tracker) = run(&model, &mut noise);
+        let scan = tracker.strategy();
+        let covariance = tracker.covariance_at(at(predicted_ns));
+        let off = errors(&truth, scan, predicted_ns);
+        for ((spread, error), variance) in spreads.iter_mut().zip(off).zip(covariance.variances) {
+            spread.add(error, variance);
+        }
+        let target = beside(scan, predicted_ns);
+        let near = predicted_ns - (half_chord_s(scan, target, predicted_ns) * 1e9) as i64;
+        let predicted = near + (entry(scan, target, near) * 1e9) as i64;
+        let late = entry(&truth, target, predicted);
+        let gradient = entry_gradient(scan, target, predicted);
+        spreads[3].add(late, tracker.covariance_at(at(predicted)).along(gradient));
+    }
+    for (spread, what) in spreads.iter().zip(["precession", "alpha", "spin", "entry"]) {
+        spread.hold(&format!("{name}: {what}"));
+    }
+}
+
+#[test]
+fn a_day_after_a_day_of_attitudes_the_intervals_hold() {
+    for (name, plain) in [("LiteBIRD", Plain::LITEBIRD), ("Planck", Plain::PLANCK)] {
+        intervals_hold(name, plain, 2 * DAY_NS, |model, noise| {
+            let truth = Truth { rates: [0.0, 1e-5], ..Truth::drawn(noise) }.of(model);
+            let tracker = tracked(model, &truth, DAY_OF_ATTITUDES, noise);
+            (truth, tracker)
+        });
+    }
+}
+
+#[test]
+fn a_day_after_a_single_attitude_the_intervals_hold() {
+    for (name, plain) in [("LiteBIRD", Plain::LITEBIRD), ("Planck", Plain::PLANCK)] {
+        intervals_hold(name, plain, DAY_NS, |model, noise| {
+            let truth = Truth::drawn(noise).of(model);
+            let tracker = tracked(model, &truth, (1, 1), noise);
+            (truth, tracker)
+        });
     }
 }
