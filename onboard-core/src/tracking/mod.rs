@@ -244,7 +244,7 @@ impl Tracker {
         measurement: &Measurement,
         now: Instant,
     ) -> Result<Residuals, Refusal> {
-        let result = self.take(sun, measurement, now);
+        let result = self.consider(sun, measurement, now);
         match result {
             Ok(_) => {
                 self.accepted = self.accepted.saturating_add(1);
@@ -255,7 +255,7 @@ impl Tracker {
         result
     }
 
-    fn take(
+    fn consider(
         &mut self,
         sun: &SunModel<'_>,
         measurement: &Measurement,
@@ -269,7 +269,17 @@ impl Tracker {
             return Err(Refusal::Unobservable(seen.alpha_rad));
         }
         let innovation_rad = seen.minus(&ScanAngles::modelled(&self.scan, at));
-        let noise = Noise::new(measurement.sigma_rad, seen.alpha_rad);
+        self.take(at, innovation_rad, &Noise::new(measurement.sigma_rad, seen.alpha_rad))
+    }
+
+    /// Not inlined: its covariances would lie on the stack under the Sun's evaluation.
+    #[inline(never)]
+    fn take(
+        &mut self,
+        at: Instant,
+        innovation_rad: [f64; 3],
+        noise: &Noise,
+    ) -> Result<Residuals, Refusal> {
         let mut covariance = self.propagated(at);
         let sigma_rad = noise.with(&covariance);
         let [precession, _, spin] = sigma_rad;
