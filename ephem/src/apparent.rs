@@ -21,13 +21,12 @@ use crate::trajectory::Trajectory;
 use nalgebra::Vector3;
 use onboard_core::direction::Direction;
 use onboard_core::frame::Ecliptic;
+pub use onboard_core::frame::OBLIQUITY_ARCSEC;
 use onboard_core::time::{Duration, Instant};
 use thiserror::Error;
 
 /// Speed of light in km/s, by definition.
 pub const SPEED_OF_LIGHT_KM_S: f64 = 299_792.458;
-/// Obliquity of the ecliptic of J2000 in arcsec (SPICE ECLIPJ2000).
-pub const OBLIQUITY_ARCSEC: f64 = 84_381.448;
 
 /// Newton steps below this many seconds leave 1e-13 km, less than rounding.
 const LIGHT_TIME_STEP_S: f64 = 1e-3;

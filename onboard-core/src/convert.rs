@@ -47,6 +47,11 @@ pub(crate) const fn wide_bits_from_i64(value: i64) -> u128 {
     value as i128 as u128
 }
 
+/// Integer part of an f64 as 128 bits of two's complement, saturating; NaN gives 0.
+pub(crate) const fn wide_bits_from_f64(value: f64) -> u128 {
+    value as i128 as u128
+}
+
 /// Upper 64 bits of a u128.
 pub(crate) const fn high_half(value: u128) -> u64 {
     (value >> 64) as u64

@@ -3,11 +3,14 @@
 //! A [`Direction`](crate::direction::Direction) or [`Rotation`](crate::rotation::Rotation) carries
 //! its frames in its type, so that a mix-up does not compile. `docs/conventions.md` defines each.
 
+/// Obliquity of the ecliptic of J2000 in arcsec (SPICE ECLIPJ2000).
+pub const OBLIQUITY_ARCSEC: f64 = 84_381.448;
+
 /// Axes of the International Celestial Reference Frame, as DE440 uses them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Icrf {}
 
-/// Ecliptic of J2000: ICRF rotated about x by 84381.448 arcsec (ECLIPJ2000).
+/// Ecliptic of J2000: ICRF rotated about x by [`OBLIQUITY_ARCSEC`] (ECLIPJ2000).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ecliptic {}
 

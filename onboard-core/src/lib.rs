@@ -2,8 +2,8 @@
 //! cross its fields of view. No std, no allocation, no unsafe code, no panic, no recursion.
 //!
 //! Modules stand in the order that data flows: time and phases, frames, the ephemeris table, the
-//! scanning strategy, the attitude, the transits. `docs/conventions.md` states units, frames and
-//! signs once.
+//! scanning strategy, the attitude, its tracking, the transits. `docs/conventions.md` states units,
+//! frames and signs once.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -42,6 +42,7 @@ pub mod detector;
 pub mod field_of_view;
 pub mod hwp;
 pub mod attitude;
+pub mod tracking;
 pub mod transit;
 pub mod uplink;
 pub mod clock;

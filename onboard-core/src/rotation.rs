@@ -29,6 +29,7 @@
 //! of the crate has six products (error below 2e-15 rad).
 
 use crate::direction::Direction;
+use crate::frame::{Ecliptic, Icrf, OBLIQUITY_ARCSEC};
 use crate::phase::Phase;
 use core::marker::PhantomData;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -167,6 +168,14 @@ impl<A, B> Rotation<A, B> {
     }
 }
 
+impl Rotation<Icrf, Ecliptic> {
+    /// From equatorial to ecliptic axes: `R_x(-obliquity)`.
+    #[must_use]
+    pub fn by_obliquity() -> Self {
+        Self::about_x(-(OBLIQUITY_ARCSEC / 3600.0).to_radians())
+    }
+}
+
 /// Sine and cosine of half the angle whose sine and cosine are given, without cancellation.
 fn half_angle(sin: f64, cos: f64) -> (f64, f64) {
     if cos >= 0.0 {
@@ -209,6 +218,16 @@ mod tests {
             Rotation::<Spin, Spin>::from_xyzw([0.0, 0.0, 0.0, 2.0]).unwrap_err(),
             RotationError::NotUnit(2.0)
         );
+    }
+
+    #[test]
+    fn the_ecliptic_pole_lies_at_eighteen_hours() {
+        let (sin, cos) = libm::sincos((OBLIQUITY_ARCSEC / 3600.0).to_radians());
+        let pole = Direction::<Icrf>::new(0.0, -sin, cos).unwrap();
+        let equinox = Direction::<Icrf>::new(1.0, 0.0, 0.0).unwrap();
+        let turn = Rotation::by_obliquity();
+        assert!(close(turn.apply(pole).xyz(), [0.0, 0.0, 1.0]));
+        assert!(close(turn.apply(equinox).xyz(), [1.0, 0.0, 0.0]));
     }
 
     proptest! {

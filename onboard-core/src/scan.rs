@@ -17,9 +17,10 @@ use crate::phase::{Phase, Rotor};
 use crate::rotation::Rotation;
 use crate::time::{Duration, Instant};
 use core::f64::consts::PI;
+use serde::{Deserialize, Serialize};
 
 /// What defines a scanning strategy.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ScanParameters {
     /// Instant at which both phases have their start values.
     pub start: Instant,

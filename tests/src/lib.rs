@@ -1,6 +1,7 @@
 //! What the cross-crate tests share: exact strategies from plain numbers, and small tables.
 
 pub mod uplink;
+pub mod attitudes;
 
 use onboard_core::direction::MotionBounds;
 use onboard_core::ephemeris::Span;

@@ -17,7 +17,7 @@ use onboard_core::detector::detector_at;
 use onboard_core::direction::{Direction, DirectionState, MotionBounds};
 use onboard_core::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SPAN_BYTES, Span};
 use onboard_core::field_of_view::{FieldOfView, FieldOfViewError, FieldShape};
-use onboard_core::frame::{AntiSun, Boresight, Detector, Ecliptic, Spin, Telescope};
+use onboard_core::frame::{AntiSun, Boresight, Detector, Ecliptic, Icrf, Spin, Telescope};
 use onboard_core::hwp::hwp_phase;
 use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::rotation::{Rotation, RotationError};
@@ -27,6 +27,10 @@ use onboard_core::sequencer::{
 };
 use onboard_core::sun::{AntiSunAxes, SunModel};
 use onboard_core::time::{Duration, Instant};
+use onboard_core::tracking::{
+    Measurement, Refusal, Residuals, ResumeError, ScanAngles, SettingsError, Tracker,
+    TrackerSettings, TrackerState,
+};
 use onboard_core::transit::{Channel, SearchState, Step, Transit, TransitFinder};
 use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::uplink::{
@@ -96,6 +100,8 @@ probes! {
     phase_half(phase: Phase) -> Phase { phase.half() }
     phase_sin_cos(phase: Phase) -> (f64, f64) { phase.sin_cos() }
     turn_rate_from_bits(bits: u128) -> TurnRate { TurnRate::from_bits(bits) }
+    turn_rate_from_radians_per_second(rad_s: f64) -> TurnRate { TurnRate::from_radians_per_second(rad_s) }
+    turn_rate_plus(a: TurnRate, b: TurnRate) -> TurnRate { a.plus(b) }
     turn_rate_bits(rate: TurnRate) -> u128 { rate.bits() }
     turn_rate_reversed(rate: TurnRate) -> TurnRate { rate.reversed() }
     turn_rate_is_negative(rate: TurnRate) -> bool { rate.is_negative() }
@@ -118,6 +124,7 @@ probes! {
     rotation_about_z(angle: f64) -> Attitude { Attitude::about_z(angle) }
     rotation_about_z_by(phase: Phase) -> Attitude { Attitude::about_z_by(phase) }
     rotation_to_direction_with_x_north(direction: Direction<Ecliptic>) -> Attitude { Attitude::to_direction_with_x_north(direction) }
+    rotation_by_obliquity() -> Rotation<Icrf, Ecliptic> { Rotation::by_obliquity() }
     rotation_then(a: Rotation<Detector, Boresight>, b: Rotation<Boresight, Ecliptic>) -> Attitude { a.then(b) }
     rotation_inverse(rotation: Attitude) -> Rotation<Ecliptic, Detector> { rotation.inverse() }
     rotation_apply(rotation: Attitude, direction: Direction<Detector>) -> Direction<Ecliptic> { rotation.apply(direction) }
@@ -161,6 +168,23 @@ probes! {
     attitude_probe(scan: ScanStrategy, sun: SunModel<'static>, at: Instant) -> Result<Rotation<Boresight, Ecliptic>, EphemerisError> { attitude(&scan, &sun, at) }
     sweep_probe(scan: ScanStrategy, sun: SunModel<'static>, detector: Rotation<Detector, Boresight>, at: Instant) -> Result<Sweep, EphemerisError> { sweep(&scan, &sun, detector, at) }
     crossing_angle_rad_probe(attitude: Attitude) -> f64 { crossing_angle_rad(attitude) }
+
+    scan_angles_measured(attitude: Rotation<Boresight, Ecliptic>, scan: ScanStrategy, sun: SunModel<'static>, at: Instant) -> Result<ScanAngles, EphemerisError> { ScanAngles::measured(attitude, &scan, &sun, at) }
+    scan_angles_of(rotation: Rotation<Spin, AntiSun>) -> ScanAngles { ScanAngles::of(rotation) }
+    scan_angles_modelled(scan: ScanStrategy, at: Instant) -> ScanAngles { ScanAngles::modelled(&scan, at) }
+    scan_angles_minus(angles: ScanAngles, model: ScanAngles) -> [f64; 3] { angles.minus(&model) }
+    tracker_settings_check(settings: TrackerSettings) -> Result<(), SettingsError> { settings.check() }
+    tracker_new(scan: *const ScanStrategy, settings: *const TrackerSettings, epoch: Instant) -> Result<Tracker, SettingsError> { Tracker::new(&*scan, &*settings, epoch) }
+    tracker_restart(tracker: *mut Tracker, scan: *const ScanStrategy, epoch: Instant) -> () { (&mut *tracker).restart(&*scan, epoch) }
+    tracker_state(tracker: *const Tracker) -> TrackerState { (&*tracker).state() }
+    tracker_resume(tracker: *mut Tracker, state: *const TrackerState) -> Result<(), ResumeError> { (&mut *tracker).resume(&*state) }
+    tracker_strategy(tracker: *const Tracker) -> ScanStrategy { *(&*tracker).strategy() }
+    tracker_epoch(tracker: *const Tracker) -> Instant { (&*tracker).epoch() }
+    tracker_accepted(tracker: *const Tracker) -> u32 { (&*tracker).accepted() }
+    tracker_refused_in_a_row(tracker: *const Tracker) -> u32 { (&*tracker).refused_in_a_row() }
+    tracker_covariance_at(tracker: *const Tracker, at: Instant) -> ScanCovariance { (&*tracker).covariance_at(at) }
+    tracker_rate_sigmas_rad_s(tracker: *const Tracker) -> [f64; 2] { (&*tracker).rate_sigmas_rad_s() }
+    tracker_update(tracker: *mut Tracker, sun: SunModel<'static>, measurement: Measurement, now: Instant) -> Result<Residuals, Refusal> { (&mut *tracker).update(&sun, &measurement, now) }
 
     channel_new(scan: ScanStrategy, sun: SunModel<'static>, target: BodyTable<'static>, field: FieldOfView, span: (Instant, Instant)) -> Channel<'static> { Channel::new(&scan, sun, target, &field, span) }
     channel_state(channel: Channel<'static>) -> SearchState { channel.state() }
