@@ -14,7 +14,8 @@
 //!
 //! Limits: as the transit finder's: violations shallower than
 //! [`SEPARATION_TOLERANCE_RAD`](crate::transit::SEPARATION_TOLERANCE_RAD) may go either way; the
-//! body counts as a point, so its radius belongs into the angle. `tests/tests/avoidance.rs` compares
+//! body counts as a point, so its radius belongs into the angle. Start and end are exact; the least
+//! angle to a rectangle is that at an instant evaluated, at most a sixteenth of a turn apart. `tests/tests/avoidance.rs` compares
 //! with dense sampling.
 
 use crate::direction::Direction;
@@ -105,7 +106,8 @@ pub struct Violation {
     pub end: Instant,
     /// Instant of the smallest angle (the first that was evaluated, where the body goes inside).
     pub closest: Instant,
-    /// Smallest angle between body and field of view in radians, 0 inside.
+    /// Smallest angle between body and field of view in radians, 0 inside; of a rectangle the
+    /// smallest that was evaluated, where the track approaches more than once in a step.
     pub least_angle_rad: f64,
     /// The limit was violated already at the search's start.
     pub start_clipped: bool,

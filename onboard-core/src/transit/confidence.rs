@@ -129,12 +129,11 @@ impl Channel<'_> {
         let sight = self.sight_at(at)?;
         let (motion, reach) = (self.motion(), self.reach());
         let axes = Axes::new(motion, at);
-        let w = sight.direction;
         let z = Vector3::new(0.0, 0.0, 1.0);
         let turning = axes.precession * motion.precession + z * motion.spin;
         Ok(Passage {
             sigma_s: closest_sigma_s(&sight, &axes, motion, (reach.nearest(&sight), covariance)),
-            ..Passage::new(&axes, &turning, &w, (reach, covariance))
+            ..Passage::new(&axes, &turning, &sight, (reach, covariance))
         })
     }
 }
@@ -148,22 +147,26 @@ struct Passage {
 }
 
 impl Passage {
-    /// The target at `w` circles the axis of `turning`; its own motion is negligible against that.
+    /// The target circles the axis of `turning`; its own motion is negligible against that.
     fn new(
         axes: &Axes,
         turning: &Vector3<f64>,
-        w: &Vector3<f64>,
+        sight: &Sight,
         (reach, covariance): (&Reach, &ScanCovariance),
     ) -> Self {
         let speed = libm::sqrt(dot(turning, turning));
         let axis = turning / libm::fmax(speed, f64::MIN_POSITIVE);
-        let across = axis.cross(w);
+        let w = sight.direction;
+        let across = axis.cross(&w);
         let sin = libm::sqrt(dot(&across, &across));
-        let cos = dot(&axis, w);
+        let cos = dot(&axis, &w);
         let theta = libm::atan2(sin, cos);
-        // Away from the axis: theta grows along (w cos theta - A) / sin theta.
-        let away = (w * cos - axis) / libm::fmax(sin, f64::MIN_POSITIVE);
-        let sigma = libm::sqrt(covariance.along(axes.gradient(&away, w)));
+        // Across the track, away from the axis.
+        let track = w.cross(&sight.rate);
+        let length = libm::sqrt(dot(&track, &track));
+        let sense = libm::copysign(libm::fmax(length, f64::MIN_POSITIVE), -dot(&track, &axis));
+        let away = track / sense;
+        let sigma = libm::sqrt(covariance.along(axes.gradient(&away, &w)));
         let Edges { near, far } = reach.edges_from(&axis);
         let below = |limit: f64| {
             let ahead = limit - theta;
