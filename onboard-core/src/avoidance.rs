@@ -49,7 +49,6 @@ pub struct AvoidanceLimit {
 
 /// Where a limit is violated.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "no allocator to box a field of view with")]
 pub enum Zone {
     /// At every direction: the body cannot be far enough from the field of view.
     Everywhere,

@@ -128,7 +128,7 @@ impl FieldOfView {
     #[must_use]
     pub fn enlarged(&self, margin_rad: f64) -> Option<Self> {
         let reach_rad = self.reach_rad + margin_rad;
-        (margin_rad > 0.0 && reach_rad < PI).then(|| Self {
+        (margin_rad > 0.0 && reach_rad < PI).then_some(Self {
             reach_rad,
             margin_rad: self.margin_rad + margin_rad,
             ..*self

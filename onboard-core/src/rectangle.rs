@@ -28,17 +28,17 @@ pub(crate) struct Rectangle {
 
 impl Rectangle {
     /// From its centre and the axes of its sides' hemispheres: two along +-x, two along +-y.
-    pub(crate) fn from_sides(z: Vector3<f64>, sides: [Vector3<f64>; 4]) -> Self {
-        let [a, b, c, d] = sides;
-        // a and b are (+-cos h/2, 0, sin h/2), c and d (0, +-cos w/2, sin w/2).
-        let (x, y) = ((a - b) * 0.5, (c - d) * 0.5);
+    pub(crate) fn from_sides(centre: Vector3<f64>, sides: [Vector3<f64>; 4]) -> Self {
+        let [up, down, right, left] = sides;
+        // (+-cos h/2, 0, sin h/2) and (0, +-cos w/2, sin w/2).
+        let (x, y) = ((up - down) * 0.5, (right - left) * 0.5);
         let (cos_h, cos_w) = (libm::sqrt(dot(&x, &x)), libm::sqrt(dot(&y, &y)));
         Self {
             x: x / cos_h,
             y: y / cos_w,
-            z,
-            height: (dot(&a, &z), cos_h),
-            width: (dot(&c, &z), cos_w),
+            z: centre,
+            height: (dot(&up, &centre), cos_h),
+            width: (dot(&right, &centre), cos_w),
         }
     }
 

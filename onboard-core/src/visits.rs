@@ -99,7 +99,7 @@ impl Bins {
         if seconds >= self.high_s {
             return Slot::Over;
         }
-        if !(seconds >= self.low_s) || count == 0 {
+        if seconds < self.low_s || seconds.is_nan() || count == 0 {
             return Slot::Under;
         }
         let share = match self.spacing {

@@ -34,6 +34,9 @@ pub const EVALUATIONS_PER_CONFIDENCE: u32 = 3;
 /// Standard deviations that hold 95 % of a normal distribution between them.
 const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
+/// A closest approach this near to an edge is the edge's: the search's last correction is shorter.
+const AT_THE_EDGE: Duration = Duration::from_ns(1_000_000);
+
 /// How well a predicted transit is known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Confidence {
@@ -41,7 +44,7 @@ pub struct Confidence {
     pub entry_sigma_s: f64,
     /// Standard deviation of the exit in seconds; 0 where the search's end is the exit.
     pub exit_sigma_s: f64,
-    /// Standard deviation of the closest approach to the centre in seconds.
+    /// Standard deviation of the closest approach in seconds: an edge's, where it lies there.
     pub closest_sigma_s: f64,
     /// Standard deviation of the track's offset across the scan in radians: of the smallest
     /// separation, where that is large against it.
@@ -63,8 +66,7 @@ struct Axes {
 
 impl Axes {
     fn new(motion: &Motion, at: Instant) -> Self {
-        let (_, spin) = motion.scan.phases(at);
-        let (sin, cos) = spin.sin_cos();
+        let (sin, cos) = motion.scan.phases(at).1.sin_cos();
         // R_z(-b) applied to (-sin alpha, 0, cos alpha) and to y.
         let s = motion.sin_alpha;
         Self {
@@ -100,7 +102,13 @@ impl Channel<'_> {
         Ok(Confidence {
             entry_sigma_s,
             exit_sigma_s,
-            closest_sigma_s: closest.sigma_s,
+            closest_sigma_s: if transit.closest.since(transit.entry) <= AT_THE_EDGE {
+                entry_sigma_s
+            } else if transit.exit.since(transit.closest) <= AT_THE_EDGE {
+                exit_sigma_s
+            } else {
+                closest.sigma_s
+            },
             separation_sigma_rad: closest.sigma_rad,
             probability: closest.probability,
             earliest_entry: transit
@@ -155,19 +163,19 @@ impl Passage {
         (reach, covariance): (&Reach, &ScanCovariance),
     ) -> Self {
         let speed = libm::sqrt(dot(turning, turning));
-        let axis = turning / libm::fmax(speed, f64::MIN_POSITIVE);
+        let pole = turning / libm::fmax(speed, f64::MIN_POSITIVE);
         let w = sight.direction;
-        let across = axis.cross(&w);
+        let across = pole.cross(&w);
         let sin = libm::sqrt(dot(&across, &across));
-        let cos = dot(&axis, &w);
+        let cos = dot(&pole, &w);
         let theta = libm::atan2(sin, cos);
-        // Across the track, away from the axis.
+        // Across the track, away from the pole.
         let track = w.cross(&sight.rate);
         let length = libm::sqrt(dot(&track, &track));
-        let sense = libm::copysign(libm::fmax(length, f64::MIN_POSITIVE), -dot(&track, &axis));
+        let sense = libm::copysign(libm::fmax(length, f64::MIN_POSITIVE), -dot(&track, &pole));
         let away = track / sense;
         let sigma = libm::sqrt(covariance.along(axes.gradient(&away, &w)));
-        let Edges { near, far } = reach.edges_from(&axis);
+        let Edges { near, far } = reach.edges_from(&pole);
         let below = |limit: f64| {
             let ahead = limit - theta;
             if sigma > 0.0 {
