@@ -156,6 +156,7 @@ struct Passage {
 
 impl Passage {
     /// The target circles the axis of `turning`; its own motion is negligible against that.
+    #[inline(never)]
     fn new(
         axes: &Axes,
         turning: &Vector3<f64>,
@@ -201,6 +202,7 @@ impl Passage {
 /// With `w' = q - Omega x w`, q the target's own motion, and an axis k that turns at k':
 /// `dw'/dx = -k' x w - k x w'` and `w'' = -Omega' x w - Omega x (w' + q)`, q' negligible. Fixed in
 /// space, the precession's and alpha's axes turn at `-spin z x k` in the spin frame.
+#[inline(never)]
 fn closest_sigma_s(
     sight: &Sight,
     axes: &Axes,
