@@ -7,10 +7,14 @@
 //! A rectangle of width w and height h about z holds the directions with z > 0,
 //! |atan2(x, z)| <= h/2 and |atan2(y, z)| <= w/2: width along y, height along x of its frame.
 //!
+//! [`FieldOfView::enlarged`] adds a margin: all directions within that angle of the field. A circle
+//! stays a circle; a rectangle gets rounded corners, and the finder asks for its nearest point.
+//!
 //! Limits: radius in (0, pi]; width and height in (0, pi).
 
 use crate::direction::Direction;
 use crate::frame::Boresight;
+use crate::rectangle::Rectangle;
 use crate::rotation::Rotation;
 use core::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Vector3;
@@ -38,8 +42,9 @@ pub enum FieldShape {
 pub struct FieldOfView {
     shape: FieldShape,
     centre: Vector3<f64>,
-    /// Radius of a circle about the centre that holds all of it.
+    /// Radius of a circle about the centre that holds all of it, margin included.
     reach_rad: f64,
+    margin_rad: f64,
     caps: Caps,
 }
 
@@ -80,7 +85,7 @@ impl FieldOfView {
         }
         let centre = frame.apply(Direction::Z).vector();
         let shape = FieldShape::Circle(radius_rad);
-        Ok(Self { shape, centre, reach_rad: radius_rad, caps: Caps::Circle })
+        Ok(Self { shape, centre, reach_rad: radius_rad, margin_rad: 0.0, caps: Caps::Circle })
     }
 
     /// The rectangle of `width_rad` along y and `height_rad` along x of `frame`, about its z.
@@ -106,6 +111,7 @@ impl FieldOfView {
             shape: FieldShape::Rectangle(width_rad, height_rad),
             centre: axis(0.0, 0.0, 1.0),
             reach_rad: libm::atan(libm::hypot(tan_w, tan_h)),
+            margin_rad: 0.0,
             caps: Caps::Rectangle([
                 axis(cos_h, 0.0, sin_h),
                 axis(-cos_h, 0.0, sin_h),
@@ -115,7 +121,27 @@ impl FieldOfView {
         })
     }
 
-    /// Its shape and size.
+    /// All directions within `margin_rad` of this field of view; none where that is every direction,
+    /// or where the margin is not positive.
+    ///
+    /// A rectangle's farthest direction is opposite its centre, as a circle's.
+    #[must_use]
+    pub fn enlarged(&self, margin_rad: f64) -> Option<Self> {
+        let reach_rad = self.reach_rad + margin_rad;
+        (margin_rad > 0.0 && reach_rad < PI).then_some(Self {
+            reach_rad,
+            margin_rad: self.margin_rad + margin_rad,
+            ..*self
+        })
+    }
+
+    /// The margin by which it was enlarged, in radians.
+    #[must_use]
+    pub const fn margin_rad(&self) -> f64 {
+        self.margin_rad
+    }
+
+    /// Its shape and size without the margin.
     #[must_use]
     pub const fn shape(&self) -> FieldShape {
         self.shape
@@ -137,6 +163,27 @@ impl FieldOfView {
         self.caps
     }
 
+    /// The rectangle in its own axes; none for a circle.
+    pub(crate) fn rectangle_axes(&self) -> Option<Rectangle> {
+        match self.caps {
+            Caps::Circle => None,
+            Caps::Rectangle(sides) => Some(Rectangle::from_sides(self.centre, sides)),
+        }
+    }
+
+    /// Angle in radians from a direction to the nearest point of the field of view, 0 inside.
+    #[must_use]
+    pub fn angle_to_rad(&self, direction: Direction<Boresight>) -> f64 {
+        let beyond = match self.rectangle_axes() {
+            None => self.centre().separation_rad(direction) - self.reach_rad,
+            Some(rectangle) => rectangle.nearest(&direction.vector()).map_or(0.0, |nearest| {
+                Direction::<Boresight>::from_unit(nearest).separation_rad(direction)
+                    - self.margin_rad
+            }),
+        };
+        libm::fmax(beyond, 0.0)
+    }
+
     /// Whether a direction is inside, by the definition: the slow oracle of the transit finder.
     #[must_use]
     pub fn contains(&self, direction: Direction<Boresight>) -> bool {
@@ -145,6 +192,7 @@ impl FieldOfView {
                 Direction::<Boresight>::from_unit(self.centre).separation_rad(direction)
                     <= self.reach_rad
             }
+            Caps::Rectangle(_) if self.margin_rad > 0.0 => self.angle_to_rad(direction) <= 0.0,
             Caps::Rectangle(axes) => axes.iter().all(|axis| {
                 Direction::<Boresight>::from_unit(*axis).separation_rad(direction) <= FRAC_PI_2
             }),

@@ -39,11 +39,15 @@ pub mod sun;
 pub mod scan;
 pub mod uncertainty;
 pub mod detector;
+mod rectangle;
 pub mod field_of_view;
 pub mod hwp;
 pub mod attitude;
 pub mod tracking;
 pub mod transit;
+pub mod avoidance;
+pub mod visits;
+
 pub mod uplink;
 pub mod clock;
 pub mod sequencer;

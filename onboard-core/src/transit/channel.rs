@@ -159,7 +159,20 @@ impl<'a> Channel<'a> {
     /// The one place where the search evaluates, so that the count is whole.
     fn sight(&mut self, at: Instant) -> Result<Sight, EphemerisError> {
         self.evaluations = self.evaluations.wrapping_add(1);
+        self.sight_at(at)
+    }
+
+    /// The target at any instant; not counted.
+    pub(super) fn sight_at(&self, at: Instant) -> Result<Sight, EphemerisError> {
         Sight::new(&self.motion, &self.sun, self.target, at)
+    }
+
+    pub(super) const fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    pub(super) const fn reach(&self) -> &Reach {
+        &self.reach
     }
 
     fn move_on(&mut self, now: Approach, seconds: f64) {
@@ -195,7 +208,7 @@ impl<'a> Channel<'a> {
             entry: visit.entry,
             exit,
             closest: if last < visit.entry { visit.entry } else { last },
-            min_separation_rad: Reach::separation_rad(best.closeness),
+            min_separation_rad: self.reach.separation_rad(best.closeness),
             entry_clipped: visit.clipped,
             exit_clipped,
         });

@@ -6,7 +6,8 @@
 //! of work; the state of a channel can be saved and resumed with the same bits.
 //!
 //! Frames: the search runs in [`AntiSun`](crate::frame::AntiSun) and
-//! [`Spin`](crate::frame::Spin); separations are measured from the field of view's centre.
+//! [`Spin`](crate::frame::Spin); separations are measured from the field of view's centre, those of
+//! an enlarged field from the nearest point of the field as it was.
 //!
 //! Method: from each instant a span of time that provably holds no entry (or no exit) is skipped.
 //!
@@ -26,11 +27,13 @@
 //! that spacing. `tests/tests/transits.rs` compares with dense sampling and with independent values.
 
 mod channel;
+mod confidence;
 mod finder;
 mod reach;
 mod sight;
 
 pub use channel::{Channel, MAX_EVALUATIONS_PER_STEP, SearchState};
+pub use confidence::{Confidence, EVALUATIONS_PER_CONFIDENCE};
 pub use finder::{Step, TransitFinder};
 
 use crate::time::{Duration, Instant};

@@ -5,7 +5,8 @@
 
 use super::SEPARATION_TOLERANCE_RAD;
 use super::sight::{Motion, Sight};
-use crate::field_of_view::{Caps, FieldOfView};
+use crate::field_of_view::{Caps, FieldOfView, FieldShape};
+use crate::rectangle::Rectangle;
 use crate::sun::RelativeBounds;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use nalgebra::Vector3;
@@ -16,6 +17,8 @@ const ROUNDING: f64 = 1e-12;
 const HORIZONS: usize = 3;
 /// Margin in radians that the longest horizon may cost where the field of view is smaller.
 const LONGEST_MARGIN_RAD: f64 = 4e-3;
+/// Refinements of the certified step towards an enlarged rectangle.
+const CHORDS: usize = 6;
 /// Relative inflation of the bound on f'' for rounding.
 const CURVATURE_ROUNDING: f64 = 1.0 + 1e-9;
 
@@ -26,6 +29,33 @@ struct Cap {
     /// Sine of the axis' angle from the spin axis.
     sin_beta: f64,
     /// `1 - cos r`.
+    versine: f64,
+    /// Depth in f below which a crossing may go either way.
+    tolerance: f64,
+}
+
+/// Least and largest angle of a field's points from an axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edges {
+    pub(super) near: f64,
+    pub(super) far: f64,
+}
+
+/// The field of view's edge.
+#[derive(Debug, Clone, Copy)]
+enum Edge {
+    Circle([Cap; 1]),
+    Rectangle([Cap; 4]),
+    Enlarged(Enlarged),
+}
+
+/// A rectangle and all within a margin m of it: `f = max over its points p of p . w - cos m`.
+#[derive(Debug, Clone, Copy)]
+struct Enlarged {
+    rectangle: Rectangle,
+    /// Largest sine of its points' angles from the spin axis.
+    sin_beta: f64,
+    /// `1 - cos m`.
     versine: f64,
     /// Depth in f below which a crossing may go either way.
     tolerance: f64,
@@ -45,9 +75,11 @@ struct Horizon {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reach {
     centre: Vector3<f64>,
-    caps: [Cap; 4],
-    /// How many of the caps count.
-    circle: bool,
+    edge: Edge,
+    /// Radius of the circle that separations count from: 0, or an enlarged circle's own.
+    core_rad: f64,
+    /// A circle's radius, or an enlarged rectangle's margin.
+    margin_rad: f64,
     gamma_min: f64,
     gamma_max: f64,
     horizons: [Horizon; HORIZONS],
@@ -93,15 +125,37 @@ impl Reach {
                 tolerance: tolerance(FRAC_PI_2),
             }
         };
-        let (circle, caps) = match field.caps() {
-            Caps::Circle => (true, [circle_cap; 4]),
-            Caps::Rectangle([a, b, c, d]) => (false, [side(&a), side(&b), side(&c), side(&d)]),
+        let margin = field.margin_rad();
+        let edge = match (field.caps(), field.rectangle_axes()) {
+            (Caps::Rectangle(_), Some(rectangle)) if margin > 0.0 => Edge::Enlarged(Enlarged {
+                rectangle: Rectangle {
+                    x: in_spin(rectangle.x),
+                    y: in_spin(rectangle.y),
+                    z: centre,
+                    ..rectangle
+                },
+                sin_beta: largest_sine(beta, reach - margin),
+                versine: versine(margin),
+                tolerance: tolerance(margin),
+            }),
+            (Caps::Rectangle([a, b, c, d]), _) => {
+                Edge::Rectangle([side(&a), side(&b), side(&c), side(&d)])
+            }
+            (Caps::Circle, _) => Edge::Circle([circle_cap]),
+        };
+        let core_rad = match field.shape() {
+            FieldShape::Circle(radius) if margin > 0.0 => radius,
+            _ => 0.0,
         };
         let holds_axis = reach + ROUNDING >= beta || reach + ROUNDING >= PI - beta;
         Self {
             centre,
-            caps,
-            circle,
+            edge,
+            core_rad,
+            margin_rad: match field.shape() {
+                FieldShape::Circle(_) => reach,
+                FieldShape::Rectangle(..) => margin,
+            },
             gamma_min: libm::fabs(alpha - beta) - reach - ROUNDING,
             gamma_max: PI - libm::fabs(PI - alpha - beta) + reach + ROUNDING,
             horizons: [horizon(longest), horizon(longest / 8.0), horizon(longest / 64.0)],
@@ -113,54 +167,133 @@ impl Reach {
         }
     }
 
+    /// The caps whose intersection the field is; none for an enlarged rectangle.
     fn caps(&self) -> &[Cap] {
-        if self.circle { self.caps.first_chunk::<1>().map_or(&[], |one| one) } else { &self.caps }
+        match &self.edge {
+            Edge::Circle(caps) => caps,
+            Edge::Rectangle(caps) => caps,
+            Edge::Enlarged(_) => &[],
+        }
     }
 
-    /// Minus half the squared chord to the centre, and its derivative: largest when closest.
+    /// Minus half the squared chord to the centre (of an enlarged rectangle, to its nearest point),
+    /// and its derivative: largest when closest.
     pub(super) fn closeness(&self, sight: &Sight) -> (f64, f64) {
-        closeness(&self.centre, sight)
+        match &self.edge {
+            Edge::Enlarged(enlarged) => enlarged.closeness(sight),
+            _ => closeness(&self.centre, sight),
+        }
     }
 
-    /// Separation from the centre in radians for a closeness.
-    pub(super) fn separation_rad(closeness: f64) -> f64 {
-        2.0 * libm::asin(libm::fmin(libm::sqrt(libm::fmax(-0.5 * closeness, 0.0)), 1.0))
+    /// Separation in radians for a closeness: from the centre, of an enlarged field from the field
+    /// as it was.
+    pub(super) fn separation_rad(&self, closeness: f64) -> f64 {
+        let chord = libm::sqrt(libm::fmax(-0.5 * closeness, 0.0));
+        libm::fmax(2.0 * libm::asin(libm::fmin(chord, 1.0)) - self.core_rad, 0.0)
     }
 
     /// Largest second derivative of the closeness near the sight.
     pub(super) fn closeness_curvature(&self, motion: &Motion, sight: &Sight) -> f64 {
-        self.curvature(motion, sight, libm::hypot(self.centre.x, self.centre.y))
+        let sin_beta = match &self.edge {
+            Edge::Enlarged(enlarged) => enlarged.sin_beta,
+            _ => libm::hypot(self.centre.x, self.centre.y),
+        };
+        self.curvature(motion, sight, sin_beta)
     }
 
     /// Whether the target is inside.
     pub(super) fn inside(&self, sight: &Sight) -> bool {
-        self.caps().iter().all(|cap| cap.depth(sight).0 >= 0.0)
+        match &self.edge {
+            Edge::Enlarged(enlarged) => enlarged.depth(sight).0 >= 0.0,
+            _ => self.caps().iter().all(|cap| cap.depth(sight).0 >= 0.0),
+        }
     }
 
     /// Seconds back from a sight just inside to the entry, by one Newton step.
     pub(super) fn since_entry(&self, sight: &Sight) -> f64 {
+        if let Edge::Enlarged(enlarged) = &self.edge {
+            return newton(enlarged.depth(sight), 1.0);
+        }
         // The last cap to be entered is the one entered most recently.
-        self.caps().iter().map(|cap| cap.newton(sight, 1.0)).fold(f64::INFINITY, libm::fmin)
+        let caps = self.caps().iter();
+        caps.map(|cap| newton(cap.depth(sight), 1.0)).fold(f64::INFINITY, libm::fmin)
     }
 
     /// Seconds back from a sight just outside to the exit, by one Newton step.
     pub(super) fn since_exit(&self, sight: &Sight) -> f64 {
+        if let Edge::Enlarged(enlarged) = &self.edge {
+            return newton(enlarged.depth(sight), -1.0);
+        }
         let left = self.caps().iter().filter(|cap| cap.depth(sight).0 < 0.0);
-        left.map(|cap| cap.newton(sight, -1.0)).fold(0.0, libm::fmax)
+        left.map(|cap| newton(cap.depth(sight), -1.0)).fold(0.0, libm::fmax)
+    }
+
+    /// The gradient of f in w at the edge that is crossed, entered (`sense` 1) or left (-1).
+    pub(super) fn crossed(&self, sight: &Sight, sense: f64) -> Vector3<f64> {
+        if let Edge::Enlarged(enlarged) = &self.edge {
+            return enlarged.rectangle.nearest(&sight.direction).unwrap_or(self.centre);
+        }
+        // Of the caps crossed in this sense the one whose edge is nearest in time.
+        let mut least = f64::INFINITY;
+        let mut axis = self.centre;
+        for cap in self.caps() {
+            let (depth, rate) = cap.depth(sight);
+            let seconds = libm::fabs(depth / rate);
+            if rate * sense > 0.0 && seconds < least {
+                (least, axis) = (seconds, cap.axis);
+            }
+        }
+        axis
+    }
+
+    /// The point that separations count from.
+    pub(super) fn nearest(&self, sight: &Sight) -> Vector3<f64> {
+        match &self.edge {
+            Edge::Enlarged(enlarged) => {
+                enlarged.rectangle.nearest(&sight.direction).unwrap_or(self.centre)
+            }
+            _ => self.centre,
+        }
+    }
+
+    /// Least and largest angle of the field's points from an axis; 0 and pi where it holds the axis
+    /// or its opposite.
+    pub(super) fn edges_from(&self, axis: &Vector3<f64>) -> Edges {
+        Edges { near: self.angle_to(axis), far: PI - self.angle_to(&-axis) }
+    }
+
+    /// Angle from a direction to the nearest point of the field, 0 inside.
+    fn angle_to(&self, direction: &Vector3<f64>) -> f64 {
+        let (point, margin) = match &self.edge {
+            Edge::Circle(_) => (Some(self.centre), self.margin_rad),
+            Edge::Rectangle([a, b, c, d]) => {
+                let sides = [a.axis, b.axis, c.axis, d.axis];
+                (Rectangle::from_sides(self.centre, sides).nearest(direction), 0.0)
+            }
+            Edge::Enlarged(enlarged) => (enlarged.rectangle.nearest(direction), self.margin_rad),
+        };
+        let apart = point.map_or(0.0, |point| separation(&point, direction));
+        libm::fmax(apart - margin, 0.0)
     }
 
     /// Seconds without an exit, from a sight that is inside.
     pub(super) fn stays_inside(&self, motion: &Motion, sight: &Sight) -> f64 {
-        let holds = |cap: &Cap| {
-            let (depth, rate) = cap.depth(sight);
+        let holds = |(depth, rate): (f64, f64), sin_beta: f64, tolerance: f64| {
             crossing_free(
                 -libm::fmax(depth, 0.0),
                 -rate,
-                self.curvature(motion, sight, cap.sin_beta),
-                cap.tolerance,
+                self.curvature(motion, sight, sin_beta),
+                tolerance,
             )
         };
-        self.caps().iter().map(holds).fold(self.longest_step, libm::fmin)
+        if let Edge::Enlarged(enlarged) = &self.edge {
+            // Inside while the point that is nearest now stays within the margin.
+            let seconds = holds(enlarged.depth(sight), enlarged.sin_beta, enlarged.tolerance);
+            return libm::fmin(seconds, self.longest_step);
+        }
+        let caps = self.caps().iter();
+        caps.map(|cap| holds(cap.depth(sight), cap.sin_beta, cap.tolerance))
+            .fold(self.longest_step, libm::fmin)
     }
 
     /// Seconds without an entry, from a sight that is outside.
@@ -225,6 +358,10 @@ impl Reach {
 
     /// Seconds without an entry by the bound on f''.
     fn approach(&self, motion: &Motion, sight: &Sight) -> f64 {
+        if let Edge::Enlarged(enlarged) = &self.edge {
+            let curvature = self.curvature(motion, sight, enlarged.sin_beta);
+            return enlarged.stays_outside(sight, curvature, self.longest_step);
+        }
         let mut longest = 0.0;
         for cap in self.caps() {
             let (depth, rate) = cap.depth(sight);
@@ -258,18 +395,97 @@ impl Cap {
         let (closeness, rate) = closeness(&self.axis, sight);
         (self.versine + closeness, rate)
     }
+}
 
-    /// Seconds back to f = 0 where f' has the sign given; 0 or infinity where Newton cannot tell.
-    fn newton(&self, sight: &Sight, sense: f64) -> f64 {
-        let (depth, rate) = self.depth(sight);
-        if rate * sense > 0.0 {
-            libm::fmax(depth / rate, 0.0)
-        } else if sense > 0.0 {
-            f64::INFINITY
-        } else {
-            0.0
-        }
+impl Enlarged {
+    /// `max p . w - 1`, and its derivative.
+    fn closeness(&self, sight: &Sight) -> (f64, f64) {
+        self.rectangle
+            .nearest(&sight.direction)
+            .map_or((0.0, 0.0), |point| closeness(&point, sight))
     }
+
+    /// f and its derivative.
+    fn depth(&self, sight: &Sight) -> (f64, f64) {
+        let (closeness, rate) = self.closeness(sight);
+        (self.versine + closeness, rate)
+    }
+
+    /// Seconds without an entry by the bound on every point's f'', at most `longest`.
+    ///
+    /// After h seconds no point's `p . w` exceeds `p . (w + w' h) + M h^2/2`; the largest over all
+    /// points, [`Self::ahead`], is convex in h. The point that is nearest now bounds its root from
+    /// above; between a point below and one above the root, a chord's root lies below it and a
+    /// tangent's above.
+    fn stays_outside(&self, sight: &Sight, curvature: f64, longest: f64) -> f64 {
+        let (depth, rate) = self.depth(sight);
+        if depth >= 0.0 {
+            return 0.0;
+        }
+        let (mut low, mut f_low) = (0.0, depth - self.tolerance);
+        let mut high = libm::fmin(crossing_free(depth, rate, curvature, self.tolerance), longest);
+        for _ in 0..CHORDS {
+            let (f_high, slope) = self.ahead(sight, curvature, high);
+            if f_high <= 0.0 {
+                return high;
+            }
+            let chord = low - f_low * (high - low) / (f_high - f_low);
+            let (f_chord, _) = self.ahead(sight, curvature, chord);
+            high -= f_high / slope;
+            if !(f_chord <= 0.0 && low < chord && chord < high) {
+                break;
+            }
+            (low, f_low) = (chord, f_chord);
+        }
+        low
+    }
+
+    /// The bound on f after `seconds`, less the tolerance, and its slope.
+    fn ahead(&self, sight: &Sight, curvature: f64, seconds: f64) -> (f64, f64) {
+        let there = sight.direction + sight.rate * seconds;
+        let moved = seconds * seconds * squared(&sight.rate);
+        let bend = 0.5 * curvature * seconds * seconds - self.tolerance;
+        let Some(point) = self.rectangle.nearest(&there) else {
+            // The largest p . u is |u|.
+            let length = libm::sqrt(1.0 + moved);
+            let slope = seconds * squared(&sight.rate) / length + curvature * seconds;
+            return (self.versine + moved / (1.0 + length) + bend, slope);
+        };
+        // p . u - 1 from the chord: |u|^2 = 1 + |w'|^2 h^2.
+        let off = point - there;
+        let along = point.x * sight.rate.x + point.y * sight.rate.y + point.z * sight.rate.z;
+        let value = self.versine - 0.5 * squared(&off) + 0.5 * moved + bend;
+        (value, along + curvature * seconds)
+    }
+}
+
+/// Seconds back to f = 0 where f' has the sign given; 0 or infinity where Newton cannot tell.
+fn newton((depth, rate): (f64, f64), sense: f64) -> f64 {
+    if rate * sense > 0.0 {
+        libm::fmax(depth / rate, 0.0)
+    } else if sense > 0.0 {
+        f64::INFINITY
+    } else {
+        0.0
+    }
+}
+
+/// Largest sine of the angles within `reach` of `beta`.
+fn largest_sine(beta: f64, reach: f64) -> f64 {
+    if libm::fabs(beta - FRAC_PI_2) <= reach {
+        return 1.0;
+    }
+    libm::fmax(libm::sin(beta - reach), libm::sin(beta + reach))
+}
+
+/// Angle between two unit vectors.
+fn separation(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    let across = a.cross(b);
+    libm::atan2(libm::sqrt(squared(&across)), a.x * b.x + a.y * b.y + a.z * b.z)
+}
+
+fn squared(v: &Vector3<f64>) -> f64 {
+    v.x * v.x + v.y * v.y + v.z * v.z
 }
 
 /// `e . w - 1` from the chord, so that small separations keep their digits, and its derivative.

@@ -12,6 +12,9 @@
 mod faults;
 
 use onboard_core::attitude::{Sweep, attitude, crossing_angle_rad, sweep};
+use onboard_core::avoidance::{
+    AvoidanceError, AvoidanceFinder, AvoidanceLimit, AvoidanceStep, Zone, angle_to_field_rad,
+};
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
 use onboard_core::detector::detector_at;
 use onboard_core::direction::{Direction, DirectionState, MotionBounds};
@@ -28,16 +31,21 @@ use onboard_core::sequencer::{
 use onboard_core::sun::{AntiSunAxes, SunModel};
 use onboard_core::time::{Duration, Instant};
 use onboard_core::tracking::{
-    Measurement, Refusal, Residuals, ResumeError, ScanAngles, SettingsError, Tracker,
-    TrackerSettings, TrackerState,
+    Measurement, Refusal as MeasurementRefusal, Residuals, ResumeError, ScanAngles,
+    SettingsError as TrackerSettingsError, Tracker, TrackerSettings, TrackerState,
 };
-use onboard_core::transit::{Channel, SearchState, Step, Transit, TransitFinder};
+use onboard_core::transit::{Channel, Confidence, SearchState, Step, Transit, TransitFinder};
 use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::uplink::{
     Active, AvoidanceRecord, Container, Counts, DetectorRecord, Header, MissionError, MissionTable,
     NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Refusal, RollbackError, RollbackOrder,
     SESSION_BYTES, SectionKind, SessionRecord, SetDigest, Slot, SlotError, Slots, SunRecord,
     TableError, Tables, TelescopeRecord, UplinkError, checksum, entry_to_le_bytes, revoke,
+};
+
+use onboard_core::visits::{
+    Bins, BinsError, Divisions, Histogram, Slot as BinSlot, Spacing, TargetVisits, VisitError,
+    VisitLog,
 };
 
 unsafe extern "C" {
@@ -163,6 +171,9 @@ probes! {
     field_of_view_centre(field: FieldOfView) -> Direction<Boresight> { field.centre() }
     field_of_view_reach_rad(field: FieldOfView) -> f64 { field.reach_rad() }
     field_of_view_contains(field: FieldOfView, direction: Direction<Boresight>) -> bool { field.contains(direction) }
+    field_of_view_enlarged(field: FieldOfView, margin: f64) -> Option<FieldOfView> { field.enlarged(margin) }
+    field_of_view_margin_rad(field: FieldOfView) -> f64 { field.margin_rad() }
+    field_of_view_angle_to_rad(field: FieldOfView, direction: Direction<Boresight>) -> f64 { field.angle_to_rad(direction) }
     hwp_phase_probe(scan: ScanStrategy, plate: Rotor, at: Instant) -> Phase { hwp_phase(&scan, plate, at) }
 
     attitude_probe(scan: ScanStrategy, sun: SunModel<'static>, at: Instant) -> Result<Rotation<Boresight, Ecliptic>, EphemerisError> { attitude(&scan, &sun, at) }
@@ -173,8 +184,8 @@ probes! {
     scan_angles_of(rotation: Rotation<Spin, AntiSun>) -> ScanAngles { ScanAngles::of(rotation) }
     scan_angles_modelled(scan: ScanStrategy, at: Instant) -> ScanAngles { ScanAngles::modelled(&scan, at) }
     scan_angles_minus(angles: ScanAngles, model: ScanAngles) -> [f64; 3] { angles.minus(&model) }
-    tracker_settings_check(settings: TrackerSettings) -> Result<(), SettingsError> { settings.check() }
-    tracker_new(scan: *const ScanStrategy, settings: *const TrackerSettings, epoch: Instant) -> Result<Tracker, SettingsError> { Tracker::new(&*scan, &*settings, epoch) }
+    tracker_settings_check(settings: TrackerSettings) -> Result<(), TrackerSettingsError> { settings.check() }
+    tracker_new(scan: *const ScanStrategy, settings: *const TrackerSettings, epoch: Instant) -> Result<Tracker, TrackerSettingsError> { Tracker::new(&*scan, &*settings, epoch) }
     tracker_restart(tracker: *mut Tracker, scan: *const ScanStrategy, epoch: Instant) -> () { (&mut *tracker).restart(&*scan, epoch) }
     tracker_state(tracker: *const Tracker) -> TrackerState { (&*tracker).state() }
     tracker_resume(tracker: *mut Tracker, state: *const TrackerState) -> Result<(), ResumeError> { (&mut *tracker).resume(&*state) }
@@ -184,7 +195,7 @@ probes! {
     tracker_refused_in_a_row(tracker: *const Tracker) -> u32 { (&*tracker).refused_in_a_row() }
     tracker_covariance_at(tracker: *const Tracker, at: Instant) -> ScanCovariance { (&*tracker).covariance_at(at) }
     tracker_rate_sigmas_rad_s(tracker: *const Tracker) -> [f64; 2] { (&*tracker).rate_sigmas_rad_s() }
-    tracker_update(tracker: *mut Tracker, sun: SunModel<'static>, measurement: Measurement, now: Instant) -> Result<Residuals, Refusal> { (&mut *tracker).update(&sun, &measurement, now) }
+    tracker_update(tracker: *mut Tracker, sun: SunModel<'static>, measurement: Measurement, now: Instant) -> Result<Residuals, MeasurementRefusal> { (&mut *tracker).update(&sun, &measurement, now) }
 
     channel_new(scan: ScanStrategy, sun: SunModel<'static>, target: BodyTable<'static>, field: FieldOfView, span: (Instant, Instant)) -> Channel<'static> { Channel::new(&scan, sun, target, &field, span) }
     channel_state(channel: Channel<'static>) -> SearchState { channel.state() }
@@ -195,6 +206,28 @@ probes! {
     transit_finder_new(channels: *mut [Channel<'static>]) -> TransitFinder<'static, 'static> { TransitFinder::new(&mut *channels) }
     transit_finder_channels(finder: *const TransitFinder<'static, 'static>) -> usize { (&*finder).channels().len() }
     transit_finder_step(finder: *mut TransitFinder<'static, 'static>) -> Step { (&mut *finder).step() }
+
+    channel_confidence(channel: *const Channel<'static>, transit: Transit, covariance: ScanCovariance) -> Result<Confidence, EphemerisError> { (&*channel).confidence(&transit, &covariance) }
+
+    angle_to_field_rad_probe(field: FieldOfView, direction: Direction<Boresight>) -> f64 { angle_to_field_rad(&field, direction) }
+    avoidance_limit_new(body: i32, angle: f64) -> Result<AvoidanceLimit, AvoidanceError> { AvoidanceLimit::new(body, angle) }
+    avoidance_limit_body(limit: AvoidanceLimit) -> i32 { limit.body() }
+    avoidance_limit_angle_rad(limit: AvoidanceLimit) -> f64 { limit.angle_rad() }
+    avoidance_limit_zone(limit: AvoidanceLimit, field: FieldOfView) -> Zone { limit.zone(&field) }
+    avoidance_limit_is_violated(limit: AvoidanceLimit, field: FieldOfView, direction: Direction<Boresight>) -> bool { limit.is_violated(&field, direction) }
+    avoidance_finder_new(channels: *mut [Channel<'static>]) -> AvoidanceFinder<'static, 'static> { AvoidanceFinder::new(&mut *channels) }
+    avoidance_finder_channels(finder: *const AvoidanceFinder<'static, 'static>) -> usize { (&*finder).channels().len() }
+    avoidance_finder_step(finder: *mut AvoidanceFinder<'static, 'static>) -> AvoidanceStep { (&mut *finder).step() }
+
+    bins_new(spacing: Spacing, low: f64, high: f64) -> Result<Bins, BinsError> { Bins::new(spacing, low, high) }
+    bins_edge_s(bins: Bins, index: usize, count: usize) -> f64 { bins.edge_s(index, count) }
+    bins_slot(bins: Bins, seconds: f64, count: usize) -> BinSlot { bins.slot(seconds, count) }
+    histogram_total(histogram: *const Histogram<64>) -> u32 { (&*histogram).total() }
+    visit_log_new(divisions: Divisions) -> VisitLog<1, 1> { VisitLog::new(divisions) }
+    visit_log_record_least(log: *mut VisitLog<1, 1>, target: usize, transit: Transit) -> Result<(), VisitError> { (&mut *log).record(target, &transit) }
+    visit_log_record(log: *mut VisitLog<32, 64>, target: usize, transit: Transit) -> Result<(), VisitError> { (&mut *log).record(target, &transit) }
+    visit_log_targets(log: *const VisitLog<32, 64>) -> *const [TargetVisits<64>; 32] { (&*log).targets() }
+    visit_log_divisions(log: *const VisitLog<32, 64>) -> Divisions { *(&*log).divisions() }
 
     checksum_probe(bytes: Bytes) -> u32 { checksum(bytes) }
     entry_to_le_bytes_probe(kind: SectionKind, offset: u32, length: u32, crc: u32) -> [u8; 16] { entry_to_le_bytes(kind, offset, length, crc) }

@@ -1,0 +1,332 @@
+//! How often is each target visited, for how long, and after what pause again.
+//!
+//! A [`VisitLog`] takes transits in order of entry and keeps, per target, counts, sums and
+//! histograms of dwell (exit less entry), revisit (next entry less entry) and gap (next entry less
+//! exit) in fixed memory. The next visit and the confidence in it come from
+//! [`TransitFinder`](crate::transit::TransitFinder), one channel per target, and
+//! [`Channel::confidence`](crate::transit::Channel::confidence).
+//!
+//! Method: [`Bins`] of equal width or equal ratio; a value belongs to the bin whose edges, as
+//! [`Bins::edge_s`] gives them, hold it, the lower one included. Counters stop at their largest value.
+//!
+//! Limits: an edge at a search's start or end is not the visit's own: such a visit is counted, but
+//! enters a histogram only with what its whole edges tell. A [`Histogram`] takes `4 BINS + 8` bytes,
+//! a target three of them and at most 80 bytes more, a log its targets and 112 bytes
+//! (`tests/tests/visits.rs`).
+
+use crate::convert::{f64_from_u64, i64_from_f64};
+use crate::time::{Duration, Instant};
+use crate::transit::Transit;
+
+/// How bins are spaced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spacing {
+    /// Equal widths.
+    Linear,
+    /// Equal ratios.
+    Logarithmic,
+}
+
+/// The range of a histogram and how it is divided.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bins {
+    spacing: Spacing,
+    low_s: f64,
+    high_s: f64,
+}
+
+/// Why a range cannot be divided.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BinsError {
+    /// The lower end (seconds) is not finite and >= 0, or for logarithmic bins not above 1e-9.
+    Low(f64),
+    /// The upper end (seconds) is not finite or not above the lower end.
+    High(f64),
+}
+
+/// Where a value falls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slot {
+    /// Below the first bin, or not a number.
+    Under,
+    /// In the bin of this index.
+    Bin(usize),
+    /// At or above the end of the last bin.
+    Over,
+}
+
+/// Shortest lower end of logarithmic bins in seconds: the resolution of time.
+const SHORTEST_LOW_S: f64 = 1e-9;
+
+impl Bins {
+    /// Bins from `low_s` to `high_s` in seconds.
+    ///
+    /// # Errors
+    /// [`BinsError`] when an end is out of range.
+    pub fn new(spacing: Spacing, low_s: f64, high_s: f64) -> Result<Self, BinsError> {
+        let least = match spacing {
+            Spacing::Linear => 0.0,
+            Spacing::Logarithmic => SHORTEST_LOW_S,
+        };
+        if !(low_s.is_finite() && low_s >= least) {
+            return Err(BinsError::Low(low_s));
+        }
+        if !(high_s.is_finite() && high_s > low_s) {
+            return Err(BinsError::High(high_s));
+        }
+        Ok(Self { spacing, low_s, high_s })
+    }
+
+    /// Lower edge in seconds of bin `index` of `count`; the upper end for `index == count`.
+    #[must_use]
+    pub fn edge_s(&self, index: usize, count: usize) -> f64 {
+        if index == 0 {
+            return self.low_s;
+        }
+        if index >= count {
+            return self.high_s;
+        }
+        let share = real(index) / real(count);
+        match self.spacing {
+            Spacing::Linear => self.low_s + (self.high_s - self.low_s) * share,
+            Spacing::Logarithmic => self.low_s * libm::pow(self.high_s / self.low_s, share),
+        }
+    }
+
+    /// Where `seconds` falls among `count` bins.
+    #[must_use]
+    pub fn slot(&self, seconds: f64, count: usize) -> Slot {
+        if seconds >= self.high_s {
+            return Slot::Over;
+        }
+        if seconds < self.low_s || seconds.is_nan() || count == 0 {
+            return Slot::Under;
+        }
+        let share = match self.spacing {
+            Spacing::Linear => (seconds - self.low_s) / (self.high_s - self.low_s),
+            Spacing::Logarithmic => {
+                libm::log(seconds / self.low_s) / libm::log(self.high_s / self.low_s)
+            }
+        };
+        let last = count.saturating_sub(1);
+        let guess = usize::try_from(i64_from_f64(share * real(count))).unwrap_or(0).min(last);
+        // Rounding may miss by one; the edges decide.
+        if seconds < self.edge_s(guess, count) {
+            Slot::Bin(guess.saturating_sub(1))
+        } else if guess < last && seconds >= self.edge_s(guess.saturating_add(1), count) {
+            Slot::Bin(guess.saturating_add(1))
+        } else {
+            Slot::Bin(guess)
+        }
+    }
+}
+
+/// A count as a number.
+fn real(count: usize) -> f64 {
+    f64_from_u64(u64::try_from(count).unwrap_or(u64::MAX))
+}
+
+/// Counts of values by bin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Histogram<const BINS: usize> {
+    /// Values in each bin.
+    pub counts: [u32; BINS],
+    /// Values below the first bin.
+    pub under: u32,
+    /// Values at or above the end of the last bin.
+    pub over: u32,
+}
+
+impl<const BINS: usize> Histogram<BINS> {
+    const EMPTY: Self = Self { counts: [0; BINS], under: 0, over: 0 };
+
+    fn count(&mut self, bins: &Bins, value: Duration) {
+        let counter = match bins.slot(value.seconds(), BINS) {
+            Slot::Under => &mut self.under,
+            Slot::Over => &mut self.over,
+            Slot::Bin(index) => match self.counts.get_mut(index) {
+                Some(counter) => counter,
+                None => return,
+            },
+        };
+        *counter = counter.saturating_add(1);
+    }
+
+    /// All values counted, saturating.
+    #[must_use]
+    pub fn total(&self) -> u32 {
+        let outside = self.under.saturating_add(self.over);
+        self.counts.iter().fold(outside, |sum, count| sum.saturating_add(*count))
+    }
+}
+
+/// What is known of one target's visits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TargetVisits<const BINS: usize> {
+    /// Visits, clipped ones included.
+    pub visits: u32,
+    /// Visits whose entry or exit is a search's start or end.
+    pub clipped: u32,
+    /// Sum of the dwells of whole visits.
+    pub dwell_sum: Duration,
+    /// Longest gap between an exit and the next entry, both whole.
+    pub longest_gap: Option<Duration>,
+    /// The last visit.
+    pub last: Option<LastVisit>,
+    /// Dwells of whole visits.
+    pub dwell: Histogram<BINS>,
+    /// Spans from entry to next entry, both whole.
+    pub revisit: Histogram<BINS>,
+    /// Spans from exit to next entry, both whole.
+    pub gap: Histogram<BINS>,
+}
+
+/// Entry and exit of the last visit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LastVisit {
+    /// Entry.
+    pub entry: Instant,
+    /// Exit.
+    pub exit: Instant,
+    /// The entry is the search's start.
+    pub entry_clipped: bool,
+    /// The exit is the search's end.
+    pub exit_clipped: bool,
+}
+
+impl<const BINS: usize> TargetVisits<BINS> {
+    /// No visit yet.
+    pub const EMPTY: Self = Self {
+        visits: 0,
+        clipped: 0,
+        dwell_sum: Duration::ZERO,
+        longest_gap: None,
+        last: None,
+        dwell: Histogram::EMPTY,
+        revisit: Histogram::EMPTY,
+        gap: Histogram::EMPTY,
+    };
+
+    fn add(&mut self, transit: &Transit, divisions: &Divisions) {
+        self.visits = self.visits.saturating_add(1);
+        if transit.entry_clipped || transit.exit_clipped {
+            self.clipped = self.clipped.saturating_add(1);
+        } else {
+            let dwell = transit.dwell();
+            self.dwell_sum = Duration::from_ns(self.dwell_sum.ns().saturating_add(dwell.ns()));
+            self.dwell.count(&divisions.dwell, dwell);
+        }
+        if let Some(last) = self.last
+            && !transit.entry_clipped
+        {
+            if !last.entry_clipped {
+                self.revisit.count(&divisions.revisit, transit.entry.since(last.entry));
+            }
+            if !last.exit_clipped {
+                let gap = transit.entry.since(last.exit);
+                self.gap.count(&divisions.gap, gap);
+                self.longest_gap = Some(self.longest_gap.map_or(gap, |longest| longest.max(gap)));
+            }
+        }
+        self.last = Some(LastVisit {
+            entry: transit.entry,
+            exit: transit.exit,
+            entry_clipped: transit.entry_clipped,
+            exit_clipped: transit.exit_clipped,
+        });
+    }
+}
+
+/// The bins of the three histograms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Divisions {
+    /// Of dwells.
+    pub dwell: Bins,
+    /// Of revisits.
+    pub revisit: Bins,
+    /// Of gaps.
+    pub gap: Bins,
+}
+
+/// Why a visit is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VisitError {
+    /// No target has this index.
+    NoSuchTarget(usize),
+    /// The exit lies before the entry.
+    Reversed {
+        /// Entry.
+        entry: Instant,
+        /// Exit.
+        exit: Instant,
+    },
+    /// The entry lies before one that was taken already, of any target.
+    OutOfOrder {
+        /// Entry.
+        entry: Instant,
+        /// Latest entry taken.
+        latest: Instant,
+    },
+    /// The entry lies before the same target's last exit.
+    Overlap {
+        /// Entry.
+        entry: Instant,
+        /// The target's last exit.
+        exit: Instant,
+    },
+}
+
+/// Running statistics of the visits to `TARGETS` targets, in histograms of `BINS` bins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VisitLog<const TARGETS: usize, const BINS: usize> {
+    targets: [TargetVisits<BINS>; TARGETS],
+    divisions: Divisions,
+    latest: Option<Instant>,
+}
+
+impl<const TARGETS: usize, const BINS: usize> VisitLog<TARGETS, BINS> {
+    /// A log without visits.
+    #[must_use]
+    pub const fn new(divisions: Divisions) -> Self {
+        Self { targets: [TargetVisits::EMPTY; TARGETS], divisions, latest: None }
+    }
+
+    /// Counts a visit; a refused one leaves the log as it was.
+    ///
+    /// # Errors
+    /// [`VisitError`].
+    pub fn record(&mut self, target: usize, transit: &Transit) -> Result<(), VisitError> {
+        let (entry, exit) = (transit.entry, transit.exit);
+        let Some(visits) = self.targets.get_mut(target) else {
+            return Err(VisitError::NoSuchTarget(target));
+        };
+        if exit < entry {
+            return Err(VisitError::Reversed { entry, exit });
+        }
+        if let Some(latest) = self.latest
+            && entry < latest
+        {
+            return Err(VisitError::OutOfOrder { entry, latest });
+        }
+        if let Some(last) = visits.last
+            && entry < last.exit
+        {
+            return Err(VisitError::Overlap { entry, exit: last.exit });
+        }
+        visits.add(transit, &self.divisions);
+        self.latest = Some(entry);
+        Ok(())
+    }
+
+    /// The targets' statistics, by index.
+    #[must_use]
+    pub const fn targets(&self) -> &[TargetVisits<BINS>; TARGETS] {
+        &self.targets
+    }
+
+    /// The bins of the histograms.
+    #[must_use]
+    pub const fn divisions(&self) -> &Divisions {
+        &self.divisions
+    }
+}
