@@ -1,5 +1,7 @@
 //! What the cross-crate tests share: exact strategies from plain numbers, and small tables.
 
+pub mod stack;
+
 use onboard_core::direction::MotionBounds;
 use onboard_core::ephemeris::Span;
 use onboard_core::phase::{Phase, Rotor, TurnRate};

@@ -10,6 +10,8 @@
 #![no_main]
 
 mod faults;
+#[cfg(target_arch = "x86_64")]
+mod memory;
 
 use onboard_core::attitude::{Sweep, attitude, crossing_angle_rad, sweep};
 use onboard_core::detector::detector_at;
