@@ -371,7 +371,9 @@ impl<'a> Instruction<'a> {
     fn parse(line: &'a str) -> Self {
         const PREFIXES: [&str; 9] =
             ["addr32", "rep", "repz", "repnz", "lock", "notrack", "bnd", "data16", "cs"];
-        let mut line = line.split(['@', ';', '#']).next().unwrap_or_default().trim();
+        // Comments: of Arm's disassembly after `@` or `;`, of x86-64's after `# `.
+        let line = line.split(['@', ';']).next().unwrap_or_default();
+        let mut line = line.split("# ").next().unwrap_or_default().trim();
         loop {
             let (mnemonic, operands) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
             if !PREFIXES.contains(&mnemonic) || operands.is_empty() {
