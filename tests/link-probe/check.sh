@@ -1,33 +1,28 @@
 #!/usr/bin/env bash
-# Links the probe at both optimisation levels, counts the probes in the binary, and shows that each
-# seeded fault breaks the link.
+# Links the probe on x86-64 and for the Cortex-M at both optimisation levels, counts the probes in
+# each binary, and shows that each seeded fault breaks the link.
 set -euo pipefail
-cd "$(dirname "$0")"
+. "$(dirname "$(realpath "$0")")/link.sh"
+form='^    ([a-z_0-9]+)\(.*\) -> .* \{ .* \}$'
+names=$(sed -nE "s/$form/\1/p" "$probe/src/main.rs")
+declared=$(wc -l <<<"$names")
 
-link() {
-    cargo rustc -q --locked --release --bin link-probe \
-        --config "profile.release.opt-level=$1" --config "profile.release.package.\"*\".opt-level=$1" \
-        "${@:2}" -- -C link-arg=-nostartfiles -C link-arg=-lc
-}
-
-for level in 3 '"s"'; do
-    link "$level"
-    binary="${CARGO_TARGET_DIR:-target}/release/link-probe"
-    declared=$(grep -cE '^    [a-z_0-9]+\(.*\) -> .* \{ .* \}$' src/main.rs)
-    # shellcheck disable=SC2046
-    linked=$(nm "$binary" | awk '$2 == "T" {print $3}' |
-        grep -cxF -f <(sed -nE 's/^    ([a-z_0-9]+)\(.*\) -> .* \{ .* \}$/\1/p' src/main.rs))
+for build in $BUILDS; do
+    link "$build"
+    linked=$(nm "$binary" | awk '$2 == "T" {print $3}' | grep -cxF -f <(echo "$names"))
     if [ "$declared" != "$linked" ]; then
-        echo "link probe: $declared probes declared, $linked in the binary" >&2
+        echo "link probe: $declared probes declared, $linked in the binary of $build" >&2
         exit 1
     fi
-    echo "link probe: $linked functions without panic, allocation or std at opt-level $level"
+    echo "link probe: $linked functions without panic, allocation or std on $build"
 done
 
 for fault in bad-index bad-division bad-overflow bad-allocation bad-std; do
-    if link 3 --features "$fault" 2>/dev/null; then
-        echo "link probe: the seeded fault $fault went unnoticed" >&2
-        exit 1
-    fi
+    for build in x86-64-3 m7-3; do
+        if link "$build" --features "$fault" 2>/dev/null; then
+            echo "link probe: the seeded fault $fault went unnoticed on $build" >&2
+            exit 1
+        fi
+    done
     echo "link probe: $fault breaks the link, as it must"
 done

@@ -2,6 +2,7 @@
 
 pub mod uplink;
 pub mod attitudes;
+pub mod stack;
 
 use onboard_core::direction::MotionBounds;
 use onboard_core::ephemeris::Span;

@@ -10,6 +10,8 @@
 #![no_main]
 
 mod faults;
+#[cfg(target_arch = "x86_64")]
+mod memory;
 
 use onboard_core::attitude::{Sweep, attitude, crossing_angle_rad, sweep};
 use onboard_core::avoidance::{
@@ -64,6 +66,9 @@ const MAX_EVENTS: usize = 65_536;
 type Attitude = Rotation<Detector, Ecliptic>;
 
 /// One `extern "C"` function per line: arguments read from pointers, the result written to one.
+///
+/// Large arguments are `&'static`, so that no copy of them counts as stack. A function with const
+/// parameters stands twice: `name__1` at capacity 1, `name__max` at the largest.
 macro_rules! probes {
     ($($name:ident ($($arg:ident: $kind:ty),*) -> $out:ty $body:block)*) => {
         $(
@@ -147,37 +152,37 @@ probes! {
     body_table_coverage(body: BodyTable<'static>) -> Option<(Instant, Instant)> { body.coverage() }
     body_table_bounds(body: BodyTable<'static>) -> MotionBounds { body.bounds() }
 
-    sun_model_state(sun: SunModel<'static>, start: Instant, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> { sun.state(start, at) }
-    sun_model_bounds(sun: SunModel<'static>) -> MotionBounds { sun.bounds() }
-    anti_sun_axes_new(sun: DirectionState<Ecliptic>) -> AntiSunAxes { AntiSunAxes::new(&sun) }
-    anti_sun_axes_view(axes: AntiSunAxes, target: DirectionState<Ecliptic>) -> DirectionState<AntiSun> { axes.view(&target) }
-    anti_sun_axes_angular_velocity_rad_s(axes: AntiSunAxes) -> [f64; 3] { axes.angular_velocity_rad_s() }
-    anti_sun_axes_rotation(axes: AntiSunAxes) -> Rotation<AntiSun, Ecliptic> { axes.rotation() }
+    sun_model_state(sun: &'static SunModel<'static>, start: Instant, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> { sun.state(start, at) }
+    sun_model_bounds(sun: &'static SunModel<'static>) -> MotionBounds { sun.bounds() }
+    anti_sun_axes_new(sun: &'static DirectionState<Ecliptic>) -> AntiSunAxes { AntiSunAxes::new(sun) }
+    anti_sun_axes_view(axes: &'static AntiSunAxes, target: &'static DirectionState<Ecliptic>) -> DirectionState<AntiSun> { axes.view(target) }
+    anti_sun_axes_angular_velocity_rad_s(axes: &'static AntiSunAxes) -> [f64; 3] { axes.angular_velocity_rad_s() }
+    anti_sun_axes_rotation(axes: &'static AntiSunAxes) -> Rotation<AntiSun, Ecliptic> { axes.rotation() }
 
-    scan_strategy_new(parameters: ScanParameters) -> Result<ScanStrategy, ScanError> { ScanStrategy::new(parameters) }
-    scan_strategy_parameters(scan: ScanStrategy) -> ScanParameters { *scan.parameters() }
-    scan_strategy_elapsed(scan: ScanStrategy, at: Instant) -> Duration { scan.elapsed(at) }
-    scan_strategy_phases(scan: ScanStrategy, at: Instant) -> (Phase, Phase) { scan.phases(at) }
-    scan_strategy_turns(scan: ScanStrategy, at: Instant) -> (u64, u64) { scan.turns(at) }
-    scan_strategy_boresight_in_spin(scan: ScanStrategy) -> Rotation<Boresight, Spin> { scan.boresight_in_spin() }
-    scan_strategy_spin_in_anti_sun(scan: ScanStrategy, at: Instant) -> Rotation<Spin, AntiSun> { scan.spin_in_anti_sun(at) }
+    scan_strategy_new(parameters: &'static ScanParameters) -> Result<ScanStrategy, ScanError> { ScanStrategy::new(*parameters) }
+    scan_strategy_parameters(scan: &'static ScanStrategy) -> ScanParameters { *scan.parameters() }
+    scan_strategy_elapsed(scan: &'static ScanStrategy, at: Instant) -> Duration { scan.elapsed(at) }
+    scan_strategy_phases(scan: &'static ScanStrategy, at: Instant) -> (Phase, Phase) { scan.phases(at) }
+    scan_strategy_turns(scan: &'static ScanStrategy, at: Instant) -> (u64, u64) { scan.turns(at) }
+    scan_strategy_boresight_in_spin(scan: &'static ScanStrategy) -> Rotation<Boresight, Spin> { scan.boresight_in_spin() }
+    scan_strategy_spin_in_anti_sun(scan: &'static ScanStrategy, at: Instant) -> Rotation<Spin, AntiSun> { scan.spin_in_anti_sun(at) }
     scan_covariance_along(covariance: ScanCovariance, gradient: [f64; 3]) -> f64 { covariance.along(gradient) }
 
     detector_at_probe(r: f64, a: f64, g: f64) -> Rotation<Detector, Boresight> { detector_at(r, a, g) }
     field_of_view_new(frame: Rotation<Telescope, Boresight>, shape: FieldShape) -> Result<FieldOfView, FieldOfViewError> { FieldOfView::new(frame, shape) }
-    field_of_view_shape(field: FieldOfView) -> FieldShape { field.shape() }
+    field_of_view_shape(field: &'static FieldOfView) -> FieldShape { field.shape() }
     field_of_view_circle(frame: Rotation<Telescope, Boresight>, radius: f64) -> Result<FieldOfView, FieldOfViewError> { FieldOfView::circle(frame, radius) }
     field_of_view_rectangle(frame: Rotation<Telescope, Boresight>, width: f64, height: f64) -> Result<FieldOfView, FieldOfViewError> { FieldOfView::rectangle(frame, width, height) }
-    field_of_view_centre(field: FieldOfView) -> Direction<Boresight> { field.centre() }
-    field_of_view_reach_rad(field: FieldOfView) -> f64 { field.reach_rad() }
-    field_of_view_contains(field: FieldOfView, direction: Direction<Boresight>) -> bool { field.contains(direction) }
+    field_of_view_centre(field: &'static FieldOfView) -> Direction<Boresight> { field.centre() }
+    field_of_view_reach_rad(field: &'static FieldOfView) -> f64 { field.reach_rad() }
+    field_of_view_contains(field: &'static FieldOfView, direction: Direction<Boresight>) -> bool { field.contains(direction) }
     field_of_view_enlarged(field: FieldOfView, margin: f64) -> Option<FieldOfView> { field.enlarged(margin) }
     field_of_view_margin_rad(field: FieldOfView) -> f64 { field.margin_rad() }
     field_of_view_angle_to_rad(field: FieldOfView, direction: Direction<Boresight>) -> f64 { field.angle_to_rad(direction) }
-    hwp_phase_probe(scan: ScanStrategy, plate: Rotor, at: Instant) -> Phase { hwp_phase(&scan, plate, at) }
+    hwp_phase_probe(scan: &'static ScanStrategy, plate: Rotor, at: Instant) -> Phase { hwp_phase(scan, plate, at) }
 
-    attitude_probe(scan: ScanStrategy, sun: SunModel<'static>, at: Instant) -> Result<Rotation<Boresight, Ecliptic>, EphemerisError> { attitude(&scan, &sun, at) }
-    sweep_probe(scan: ScanStrategy, sun: SunModel<'static>, detector: Rotation<Detector, Boresight>, at: Instant) -> Result<Sweep, EphemerisError> { sweep(&scan, &sun, detector, at) }
+    attitude_probe(scan: &'static ScanStrategy, sun: &'static SunModel<'static>, at: Instant) -> Result<Rotation<Boresight, Ecliptic>, EphemerisError> { attitude(scan, sun, at) }
+    sweep_probe(scan: &'static ScanStrategy, sun: &'static SunModel<'static>, detector: Rotation<Detector, Boresight>, at: Instant) -> Result<Sweep, EphemerisError> { sweep(scan, sun, detector, at) }
     crossing_angle_rad_probe(attitude: Attitude) -> f64 { crossing_angle_rad(attitude) }
 
     scan_angles_measured(attitude: Rotation<Boresight, Ecliptic>, scan: ScanStrategy, sun: SunModel<'static>, at: Instant) -> Result<ScanAngles, EphemerisError> { ScanAngles::measured(attitude, &scan, &sun, at) }
@@ -197,11 +202,11 @@ probes! {
     tracker_rate_sigmas_rad_s(tracker: *const Tracker) -> [f64; 2] { (&*tracker).rate_sigmas_rad_s() }
     tracker_update(tracker: *mut Tracker, sun: SunModel<'static>, measurement: Measurement, now: Instant) -> Result<Residuals, MeasurementRefusal> { (&mut *tracker).update(&sun, &measurement, now) }
 
-    channel_new(scan: ScanStrategy, sun: SunModel<'static>, target: BodyTable<'static>, field: FieldOfView, span: (Instant, Instant)) -> Channel<'static> { Channel::new(&scan, sun, target, &field, span) }
-    channel_state(channel: Channel<'static>) -> SearchState { channel.state() }
-    channel_resume(channel: Channel<'static>, state: SearchState) -> Channel<'static> { let mut channel = channel; channel.resume(state); channel }
-    channel_evaluations(channel: Channel<'static>) -> u64 { channel.evaluations() }
-    channel_frontier(channel: Channel<'static>) -> Option<Instant> { channel.frontier() }
+    channel_new(scan: &'static ScanStrategy, sun: &'static SunModel<'static>, target: BodyTable<'static>, field: &'static FieldOfView, span: (Instant, Instant)) -> Channel<'static> { Channel::new(scan, *sun, target, field, span) }
+    channel_state(channel: &'static Channel<'static>) -> SearchState { channel.state() }
+    channel_resume(channel: &'static mut Channel<'static>, state: SearchState) -> () { channel.resume(state) }
+    channel_evaluations(channel: &'static Channel<'static>) -> u64 { channel.evaluations() }
+    channel_frontier(channel: &'static Channel<'static>) -> Option<Instant> { channel.frontier() }
     transit_dwell(transit: Transit) -> Duration { transit.dwell() }
     transit_finder_new(channels: *mut [Channel<'static>]) -> TransitFinder<'static, 'static> { TransitFinder::new(&mut *channels) }
     transit_finder_channels(finder: *const TransitFinder<'static, 'static>) -> usize { (&*finder).channels().len() }
@@ -222,17 +227,21 @@ probes! {
     bins_new(spacing: Spacing, low: f64, high: f64) -> Result<Bins, BinsError> { Bins::new(spacing, low, high) }
     bins_edge_s(bins: Bins, index: usize, count: usize) -> f64 { bins.edge_s(index, count) }
     bins_slot(bins: Bins, seconds: f64, count: usize) -> BinSlot { bins.slot(seconds, count) }
-    histogram_total(histogram: *const Histogram<64>) -> u32 { (&*histogram).total() }
-    visit_log_new(divisions: Divisions) -> VisitLog<1, 1> { VisitLog::new(divisions) }
-    visit_log_record_least(log: *mut VisitLog<1, 1>, target: usize, transit: Transit) -> Result<(), VisitError> { (&mut *log).record(target, &transit) }
-    visit_log_record(log: *mut VisitLog<32, 64>, target: usize, transit: Transit) -> Result<(), VisitError> { (&mut *log).record(target, &transit) }
-    visit_log_targets(log: *const VisitLog<32, 64>) -> *const [TargetVisits<64>; 32] { (&*log).targets() }
-    visit_log_divisions(log: *const VisitLog<32, 64>) -> Divisions { *(&*log).divisions() }
+    histogram_total__1(histogram: &'static Histogram<1>) -> u32 { histogram.total() }
+    histogram_total__max(histogram: &'static Histogram<64>) -> u32 { histogram.total() }
+    visit_log_new__1(divisions: &'static Divisions) -> VisitLog<1, 1> { VisitLog::new(*divisions) }
+    visit_log_new__max(divisions: &'static Divisions) -> VisitLog<32, 64> { VisitLog::new(*divisions) }
+    visit_log_record__1(log: &'static mut VisitLog<1, 1>, target: usize, transit: &'static Transit) -> Result<(), VisitError> { log.record(target, transit) }
+    visit_log_record__max(log: &'static mut VisitLog<32, 64>, target: usize, transit: &'static Transit) -> Result<(), VisitError> { log.record(target, transit) }
+    visit_log_targets__1(log: &'static VisitLog<1, 1>) -> *const [TargetVisits<1>; 1] { log.targets() }
+    visit_log_targets__max(log: &'static VisitLog<32, 64>) -> *const [TargetVisits<64>; 32] { log.targets() }
+    visit_log_divisions__1(log: &'static VisitLog<1, 1>) -> Divisions { *log.divisions() }
+    visit_log_divisions__max(log: &'static VisitLog<32, 64>) -> Divisions { *log.divisions() }
 
     checksum_probe(bytes: Bytes) -> u32 { checksum(bytes) }
     entry_to_le_bytes_probe(kind: SectionKind, offset: u32, length: u32, crc: u32) -> [u8; 16] { entry_to_le_bytes(kind, offset, length, crc) }
     section_kind_number(kind: SectionKind) -> u16 { kind.number() }
-    header_to_le_bytes(header: Header, length: u32, sections: u16, crc: u32) -> [u8; 64] { header.to_le_bytes(length, sections, crc) }
+    header_to_le_bytes(header: &'static Header, length: u32, sections: u16, crc: u32) -> [u8; 64] { header.to_le_bytes(length, sections, crc) }
     container_parse(bytes: Bytes) -> Result<Container<'static>, UplinkError> { Container::parse(bytes) }
     container_header(container: Container<'static>) -> Header { container.header() }
     container_set_digest(container: Container<'static>) -> u64 { container.set_digest() }
@@ -248,14 +257,14 @@ probes! {
     mission_table_calibration_field(table: *const MissionTable<'static>, telescope: u16, index: u16) -> Option<FieldOfView> { (&*table).calibration_field(telescope, index) }
     mission_table_avoidance(table: *const MissionTable<'static>) -> f64 { (&*table).avoidance().fold(0.0, |sum, limit| sum + limit.angle_rad) }
     mission_table_avoidance_limit(table: *const MissionTable<'static>, index: u16) -> Option<AvoidanceRecord> { (&*table).avoidance_limit(index) }
-    mission_table_sun(mission: MissionTable<'static>, table: EphemerisTable<'static>) -> Result<SunModel<'static>, EphemerisError> { mission.sun(table) }
-    mission_table_telescopes(mission: MissionTable<'static>) -> f64 { mission.telescopes().fold(0.0, |sum, telescope| sum + telescope.rotation.to_xyzw()[0]) }
-    mission_table_fixed_to_le_bytes(parameters: ScanParameters, sun: SunRecord, counts: Counts, radius: f64) -> [u8; 112] { MissionTable::fixed_to_le_bytes(&parameters, sun, counts, radius) }
-    telescope_record_to_le_bytes(telescope: TelescopeRecord) -> [u8; 80] { telescope.to_le_bytes() }
-    telescope_record_field_of_view(telescope: TelescopeRecord) -> Result<FieldOfView, FieldOfViewError> { telescope.field_of_view() }
+    mission_table_sun(mission: &'static MissionTable<'static>, table: EphemerisTable<'static>) -> Result<SunModel<'static>, EphemerisError> { mission.sun(table) }
+    mission_table_telescopes(mission: &'static MissionTable<'static>) -> f64 { mission.telescopes().fold(0.0, |sum, telescope| sum + telescope.rotation.to_xyzw()[0]) }
+    mission_table_fixed_to_le_bytes(parameters: &'static ScanParameters, sun: SunRecord, counts: Counts, radius: f64) -> [u8; 112] { MissionTable::fixed_to_le_bytes(parameters, sun, counts, radius) }
+    telescope_record_to_le_bytes(telescope: &'static TelescopeRecord) -> [u8; 80] { telescope.to_le_bytes() }
+    telescope_record_field_of_view(telescope: &'static TelescopeRecord) -> Result<FieldOfView, FieldOfViewError> { telescope.field_of_view() }
     detector_record_to_le_bytes(detector: DetectorRecord) -> [u8; 40] { detector.to_le_bytes() }
     avoidance_record_to_le_bytes(limit: AvoidanceRecord) -> [u8; 16] { limit.to_le_bytes() }
-    session_record_to_le_bytes(session: SessionRecord) -> [u8; SESSION_BYTES] { session.to_le_bytes() }
+    session_record_to_le_bytes(session: &'static SessionRecord) -> [u8; SESSION_BYTES] { session.to_le_bytes() }
     session_record_from_le_bytes(bytes: [u8; SESSION_BYTES]) -> Option<SessionRecord> { SessionRecord::from_le_bytes(&bytes) }
     plan_table_parse(bytes: Bytes) -> Result<PlanTable<'static>, PlanError> { PlanTable::parse(bytes) }
     plan_table_sessions(plan: PlanTable<'static>) -> u64 { plan.sessions().fold(0, |sum, session| sum ^ u64::from(session.turn)) }

@@ -1,0 +1,75 @@
+//! x86-64 instructions (AT&T order): where they lead, and how far they move the stack pointer.
+
+use super::{Flow, Instruction};
+
+pub(super) fn flow(instruction: &Instruction<'_>) -> Flow {
+    match instruction.mnemonic {
+        "call" | "callq" => instruction.target().map_or(Flow::Indirect, Flow::Call),
+        jump if jump.starts_with('j') => {
+            if instruction.operands.starts_with('*') {
+                return Flow::Indirect;
+            }
+            instruction.target().map_or(Flow::Indirect, Flow::Jump)
+        }
+        _ => Flow::On,
+    }
+}
+
+/// Bytes that the instruction takes from the stack; `None` where that cannot be told.
+pub(super) fn stack_moved(instruction: &Instruction<'_>) -> Option<u64> {
+    let Instruction { mnemonic, operands } = instruction;
+    if mnemonic.starts_with("push") {
+        return Some(8);
+    }
+    if *mnemonic == "enter" {
+        return None;
+    }
+    let reads_only = mnemonic.starts_with("cmp") || mnemonic.starts_with("test");
+    let Some(source) = operands.strip_suffix(",%rsp").filter(|_| !reads_only) else {
+        return Some(0);
+    };
+    let constant = source.strip_prefix("$0x").and_then(|hex| u64::from_str_radix(hex, 16).ok());
+    match *mnemonic {
+        // objdump writes negative constants as their two's complement.
+        "sub" => constant.map(|bytes| bytes.cast_signed().max(0).unsigned_abs()),
+        "add" => constant.map(|bytes| bytes.cast_signed().min(0).unsigned_abs()),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn calls_jumps_and_what_cannot_be_followed() {
+        let flow_of = |line| flow(&Instruction::parse(line));
+        assert_eq!(flow_of("call   201a <f>"), Flow::Call(0x201a));
+        assert_eq!(flow_of("jmp    201a <f+0x2>"), Flow::Jump(0x201a));
+        assert_eq!(flow_of("jne    201a <f+0x2>"), Flow::Jump(0x201a));
+        assert_eq!(flow_of("ret"), Flow::On);
+        assert_eq!(flow_of("rep movsb (%rsi),(%rdi)"), Flow::On);
+        for refused in ["call   *%rax", "call   *0x10(%rsi)", "jmp    *%rcx", "notrack jmp *%rax"] {
+            assert_eq!(flow_of(refused), Flow::Indirect, "{refused}");
+        }
+    }
+
+    #[test]
+    fn the_stack_pointer_is_followed_or_refused() {
+        let moved = |line| stack_moved(&Instruction::parse(line));
+        assert_eq!(moved("push   %rbx"), Some(8));
+        assert_eq!(moved("sub    $0x28,%rsp"), Some(0x28));
+        assert_eq!(moved("sub    $0xffffffffffffff80,%rsp"), Some(0));
+        assert_eq!(moved("add    $0xffffffffffffff80,%rsp"), Some(0x80));
+        assert_eq!(moved("add    $0x28,%rsp"), Some(0));
+        assert_eq!(moved("mov    %rsp,%rbp"), Some(0));
+        for refused in [
+            "mov    %rbp,%rsp",
+            "sub    %rax,%rsp",
+            "and    $0xffffffffffffffe0,%rsp",
+            "lea    -0x8(%rbp),%rsp",
+        ] {
+            assert_eq!(moved(refused), None, "{refused}");
+        }
+    }
+}
