@@ -32,6 +32,11 @@ pub(crate) const fn i64_from_f64(value: f64) -> i64 {
     value as i64
 }
 
+/// Integer part of an f64 that is not negative, saturating; NaN gives 0.
+pub(crate) const fn u64_from_f64(value: f64) -> u64 {
+    value as u64
+}
+
 /// The same bits read as two's complement.
 pub(crate) const fn signed_from_u64(bits: u64) -> i64 {
     bits as i64

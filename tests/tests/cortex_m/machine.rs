@@ -89,6 +89,7 @@ fn build(tools: &Toolchain, core: Core, firmware: &Path) -> Result<(), Failed> {
     let flags = [
         format!("-Clinker={}", tools.linker.display()),
         format!("-Clink-arg=-T{}", source.join("link.x").display()),
+        format!("-Clink-arg=-L{}", source.join("boards").join(core.board()).display()),
         format!("-Ctarget-cpu={}", core.cpu()),
     ];
     let output = Command::new(env!("CARGO"))
