@@ -153,7 +153,9 @@ mod tests {
                 assert!((a - b).abs() < 2.3e-16, "{length}");
             }
         }
-        assert!(Direction::<Ecliptic>::from_nearly_unit(Vector3::new(f64::NAN, 0.0, 1.0)).is_none());
+        assert!(
+            Direction::<Ecliptic>::from_nearly_unit(Vector3::new(f64::NAN, 0.0, 1.0)).is_none()
+        );
     }
 
     #[test]

@@ -31,7 +31,7 @@
 //! `ephem/tests/fit.rs`). The bounds are the ground's word; `gyrfalcon table verify` checks them.
 
 use crate::bytes::{f64_at, i32_at, i64_at, u16_at, u32_at, u64_at};
-use crate::convert::{f64_from_u64, index_from_u32, index_from_u64, u64_from_f64};
+use crate::convert::{f64_from_u64, index_from_u32, index_from_u64, u32_from_f64};
 use crate::direction::{Direction, DirectionState, MotionBounds};
 use crate::frame::Ecliptic;
 use crate::time::Instant;
@@ -322,14 +322,15 @@ struct Series<'a> {
 
 /// Quotient and rest of `offset / length_ns`; `length` is `length_ns` as f64.
 ///
-/// The quotient of the two as f64 is off by at most one below 2^51, which the rest tells; a 64-bit
+/// The quotient of the two as f64, below 2^32, is off by at most one, which the rest tells; a 64-bit
 /// division in software would cost more than all of this. Beyond, the division it is.
 fn split(offset: u64, length_ns: u64, length: f64) -> (u64, u64) {
-    let guess = u64_from_f64(f64_from_u64(offset) / length);
-    if guess >= 1 << 51_u32 {
+    let guess = u32_from_f64(f64_from_u64(offset) / length);
+    if guess == u32::MAX {
         let granule = offset.checked_div(length_ns).unwrap_or(0);
         return (granule, offset.wrapping_sub(granule.wrapping_mul(length_ns)));
     }
+    let guess = u64::from(guess);
     let rest = offset.wrapping_sub(guess.wrapping_mul(length_ns));
     if rest < length_ns {
         (guess, rest)

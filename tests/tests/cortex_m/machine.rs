@@ -51,12 +51,7 @@ fn work_folder() -> PathBuf {
 
 /// Runs the firmware on `input` and returns what it wrote; with `counted`, one instruction takes one
 /// ns of the board's time.
-pub fn run(
-    tools: &Toolchain,
-    core: Core,
-    input: &Input,
-    counted: bool,
-) -> Result<Vec<u8>, Failed> {
+pub fn run(tools: &Toolchain, core: Core, input: &Input, counted: bool) -> Result<Vec<u8>, Failed> {
     let name = format!("{core:?}{}", if counted { "-counted" } else { "" });
     let folder = work_folder().join(name);
     fs::create_dir_all(&folder)?;

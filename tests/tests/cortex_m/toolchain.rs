@@ -55,9 +55,11 @@ impl Toolchain {
 fn has_core() -> bool {
     let folder = stdout(Path::new("rustc"), &["--print", "target-libdir", "--target", TARGET]);
     let entries = folder.and_then(|folder| std::fs::read_dir(folder).ok());
-    entries.into_iter().flatten().flatten().any(|entry| {
-        entry.file_name().to_str().is_some_and(|name| name.starts_with("libcore"))
-    })
+    entries
+        .into_iter()
+        .flatten()
+        .flatten()
+        .any(|entry| entry.file_name().to_str().is_some_and(|name| name.starts_with("libcore")))
 }
 
 fn linker() -> Option<PathBuf> {
