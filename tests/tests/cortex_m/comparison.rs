@@ -2,6 +2,7 @@
 
 use crate::input::{Input, small};
 use libtest_mimic::Failed;
+use std::collections::BTreeMap;
 use vectors::sink::Sink;
 
 /// What was compared and found equal.
@@ -96,11 +97,35 @@ impl Sink for Words {
     }
 }
 
+struct Fields(BTreeMap<&'static str, u64>);
+
+impl Sink for Fields {
+    fn block(&mut self, _: u32) {}
+
+    fn item(&mut self, _: i64) {}
+
+    fn word(&mut self, field: &'static str, _: u64) {
+        *self.0.entry(field).or_default() += 1;
+    }
+}
+
+/// How many words of each field the host makes of an input.
+///
+/// # Errors
+/// Where the input is malformed.
+pub fn fields(input: &Input) -> Result<BTreeMap<&'static str, u64>, Failed> {
+    let mut fields = Fields(BTreeMap::new());
+    match vectors::run(&input.bytes, &mut vec![0; 256 << 10], &|| 0, &mut fields) {
+        Ok(()) => Ok(fields.0),
+        Err(error) => Err(format!("the host refuses the vector file: {error:?}").into()),
+    }
+}
+
 /// The words that the host makes of an input.
 ///
 /// # Errors
 /// Where the input is malformed.
-pub fn words(input: &Input) -> Result<Vec<u8>, Failed> {
+fn words(input: &Input) -> Result<Vec<u8>, Failed> {
     let mut words = Words(Vec::new());
     match vectors::run(&input.bytes, &mut vec![0; 256 << 10], &|| 0, &mut words) {
         Ok(()) => Ok(words.0),

@@ -2,6 +2,7 @@
 //!
 //! Missions, containers and the ephemeris are the ground's own; the layout is in `tests/firmware`.
 
+use crate::comparison;
 use ephem::fit::FitOptions;
 use ground_tools::mission::{Mission, Override};
 use ground_tools::presets;
@@ -245,8 +246,24 @@ pub fn covers_what_it_must() -> Result<(), Failed> {
             }
         }
     }
-    let counted = metered(&tables);
-    crate::comparison::words(&counted)?;
+    let fields = comparison::fields(&input)?;
+    for (field, least) in [
+        ("attitude.x", 2_500),
+        ("hwp phase", 1_000),
+        ("rate.x", 6_000),
+        ("state refused", 20),
+        ("entry", 100),
+        ("container refused", 2_000),
+        ("ephemeris refused", 100),
+        ("mission refused", 100),
+        ("plan refused", 100),
+    ] {
+        let found = fields.get(field).copied().unwrap_or(0);
+        if found < least {
+            return Err(format!("{found} words of '{field}', at least {least} wanted").into());
+        }
+    }
+    comparison::fields(&metered(&tables))?;
     let world = world("litebird", &[TEN_YEARS]);
     let times = instants(&world, 10_000, &mut Noise::new(3));
     let times: Vec<i64> =

@@ -15,9 +15,8 @@ use machine::Core;
 use std::sync::{Arc, OnceLock};
 use toolchain::Toolchain;
 
-/// Vectors of each preset and pair of rotation directions. On the M4F every double is software.
-const PER_CASE_M7: usize = 10_000;
-const PER_CASE_M4F: usize = 2_500;
+/// Vectors of each preset and pair of rotation directions.
+const PER_CASE: usize = 10_000;
 
 fn main() {
     let tools = Arc::new(Toolchain::find());
@@ -36,13 +35,13 @@ fn main() {
         Trial::test("one_flipped_bit_is_named", comparison::one_flipped_bit_is_named),
         Trial::test("the_vector_file_covers_what_it_must", input::covers_what_it_must),
         on_target("cortex_m7_has_the_hosts_bits", |tools, sky| {
-            same_bits(tools, sky, Core::M7, PER_CASE_M7)
+            same_bits(tools, sky, Core::M7, PER_CASE)
         }),
         on_target("cortex_m4f_has_the_hosts_bits", |tools, sky| {
-            same_bits(tools, sky, Core::M4F, PER_CASE_M4F)
+            same_bits(tools, sky, Core::M4F, PER_CASE)
         }),
         on_target("cortex_m7_built_for_size_has_the_hosts_bits", |tools, sky| {
-            same_bits(tools, sky, Core::M7ForSize, PER_CASE_M7)
+            same_bits(tools, sky, Core::M7ForSize, PER_CASE)
         }),
         on_target("instructions_are_within_their_budget", budget::instructions),
     ];
