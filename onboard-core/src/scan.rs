@@ -146,13 +146,13 @@ impl ScanStrategy {
         let (half_a, half_b) = (precession.half(), spin.half());
         let (sin_sum, cos_sum) = half_a.plus(half_b).sin_cos();
         let (sin_difference, cos_difference) = half_a.plus(half_b.negated()).sin_cos();
-        let (sin, cos) = self.half_alpha;
+        let (sin_tilt, cos_tilt) = self.half_alpha;
         // The product multiplied out.
         Rotation::from_parts(
-            -sin * sin_difference,
-            sin * cos_difference,
-            cos * sin_sum,
-            cos * cos_sum,
+            -sin_tilt * sin_difference,
+            sin_tilt * cos_difference,
+            cos_tilt * sin_sum,
+            cos_tilt * cos_sum,
         )
     }
 }

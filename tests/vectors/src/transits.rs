@@ -23,7 +23,7 @@ pub fn channels<'a>(
     block: &mut Reader<'_>,
     loaded: &Loaded<'a>,
 ) -> Result<Vec<Channel<'a>, MAX_CHANNELS>, Malformed> {
-    let span = (block.instant()?, block.instant()?);
+    let times = (block.instant()?, block.instant()?);
     let (scan, sun) = (loaded.mission.strategy(), loaded.sun()?);
     let mut channels = Vec::new();
     while !block.is_empty() {
@@ -37,7 +37,7 @@ pub fn channels<'a>(
             telescope.field_of_view()
         };
         let field = field.map_err(|_| Malformed)?;
-        channels.push(Channel::new(&scan, sun, body, &field, span)).map_err(|_| Malformed)?;
+        channels.push(Channel::new(&scan, sun, body, &field, times)).map_err(|_| Malformed)?;
     }
     Ok(channels)
 }
