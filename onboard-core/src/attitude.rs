@@ -13,12 +13,12 @@
 //! Limits: 1e-12 rad anywhere in ten years (`tests/tests/attitude.rs`). At an ecliptic pole east is
 //! taken along longitude +90 deg.
 
-use crate::direction::{Direction, DirectionState};
+use crate::direction::Direction;
 use crate::ephemeris::EphemerisError;
-use crate::frame::{AntiSun, Boresight, Detector, Ecliptic};
+use crate::frame::{AntiSun, Boresight, Detector, Ecliptic, Spin};
 use crate::rotation::Rotation;
 use crate::scan::ScanStrategy;
-use crate::sun::{AntiSunAxes, SunModel};
+use crate::sun::{SunModel, frame_angular_velocity};
 use crate::time::Instant;
 use nalgebra::Vector3;
 
@@ -46,18 +46,17 @@ pub fn attitude(
     sun: &SunModel<'_>,
     at: Instant,
 ) -> Result<Rotation<Boresight, Ecliptic>, EphemerisError> {
-    let anti_sun = sun.state(scan.parameters().start, at)?;
-    Ok(chain(scan, &anti_sun, at))
+    let anti_sun = sun.direction(scan.parameters().start, at)?;
+    Ok(scan.boresight_in_spin().then(spin_in_ecliptic(scan, anti_sun, at)))
 }
 
-fn chain(
+fn spin_in_ecliptic(
     scan: &ScanStrategy,
-    anti_sun: &DirectionState<Ecliptic>,
+    anti_sun: Direction<Ecliptic>,
     at: Instant,
-) -> Rotation<Boresight, Ecliptic> {
-    scan.boresight_in_spin()
-        .then(scan.spin_in_anti_sun(at))
-        .then(Rotation::<AntiSun, Ecliptic>::to_direction_with_x_north(anti_sun.direction))
+) -> Rotation<Spin, Ecliptic> {
+    scan.spin_in_anti_sun(at)
+        .then(Rotation::<AntiSun, Ecliptic>::to_direction_with_x_north(anti_sun))
 }
 
 /// What the detector does on the sky at `at`.
@@ -71,46 +70,36 @@ pub fn sweep(
     at: Instant,
 ) -> Result<Sweep, EphemerisError> {
     let anti_sun = sun.state(scan.parameters().start, at)?;
-    let attitude = detector.then(chain(scan, &anti_sun, at));
-    let direction = attitude.apply(Direction::Z);
-    let omega = angular_velocity(scan, &anti_sun, at);
-    let velocity = attitude.inverse().rotate(omega.cross(&direction.vector()));
+    let spin = spin_in_ecliptic(scan, anti_sun.direction, at);
+    let attitude = detector.then(scan.boresight_in_spin().then(spin));
+    let (x, n) = attitude.x_and_z();
+    // omega = omega_frame + w_a n_sun + w_b s, with s the spin axis.
+    let (precession_rate, spin_rate) = scan.rates_rad_s();
+    let (_, spin_axis) = spin.x_and_z();
+    let omega = frame_angular_velocity(&anti_sun)
+        + anti_sun.direction.vector() * precession_rate
+        + spin_axis * spin_rate;
+    // n' = omega x n: its components along x and y = n x x are omega . y and -omega . x.
+    let y = n.cross(&x);
+    let along_x = omega.x * y.x + omega.y * y.y + omega.z * y.z;
+    let along_y = -(omega.x * x.x + omega.y * x.y + omega.z * x.z);
     Ok(Sweep {
         attitude,
-        direction,
-        crossing_angle_rad: crossing_angle_rad(attitude),
-        speed_rad_s: libm::hypot(velocity.x, velocity.y),
-        scan_beam_angle_rad: libm::atan2(velocity.x, velocity.y),
+        direction: Direction::from_unit(n),
+        crossing_angle_rad: crossing(x, n),
+        speed_rad_s: libm::sqrt(along_x * along_x + along_y * along_y),
+        scan_beam_angle_rad: libm::atan2(along_x, along_y),
     })
-}
-
-/// Angular velocity of the spacecraft in rad/s, components in [`Ecliptic`].
-fn angular_velocity(
-    scan: &ScanStrategy,
-    anti_sun: &DirectionState<Ecliptic>,
-    at: Instant,
-) -> Vector3<f64> {
-    let parameters = scan.parameters();
-    let axes = AntiSunAxes::new(anti_sun);
-    let (precession, _) = scan.phases(at);
-    let (sin_a, cos_a) = precession.sin_cos();
-    let (sin_alpha, cos_alpha) = libm::sincos(parameters.alpha_rad);
-    let spin_rate = parameters.spin.rate.radians_per_second();
-    // omega = omega_frame + w_a z + w_b s, with s the spin axis, in the anti-Sun frame.
-    let [fx, fy, fz] = axes.angular_velocity_rad_s();
-    let omega = Vector3::new(
-        fx + spin_rate * sin_alpha * cos_a,
-        fy + spin_rate * sin_alpha * sin_a,
-        fz + parameters.precession.rate.radians_per_second() + spin_rate * cos_alpha,
-    );
-    axes.rotation().rotate(omega)
 }
 
 /// Crossing angle of a detector's x axis on the sky in radians, in (-pi, pi].
 #[must_use]
 pub fn crossing_angle_rad(attitude: Rotation<Detector, Ecliptic>) -> f64 {
-    let n = attitude.rotate(Vector3::new(0.0, 0.0, 1.0));
-    let x = attitude.rotate(Vector3::new(1.0, 0.0, 0.0));
+    let (x, n) = attitude.x_and_z();
+    crossing(x, n)
+}
+
+fn crossing(x: Vector3<f64>, n: Vector3<f64>) -> f64 {
     // East and north scaled by the cosine of the latitude rho: (-n_y, n_x, 0) and
     // (-n_z n_x, -n_z n_y, rho^2); at the pole itself the limit at longitude 0.
     let rho2 = n.x * n.x + n.y * n.y;

@@ -12,14 +12,18 @@
     reason = "the conversions of the crate live here, each with its meaning in the name"
 )]
 
-/// Nearest f64 to an i64.
+/// 2^32.
+const HALVES: f64 = 4_294_967_296.0;
+
+/// Nearest f64 to an i64: both halves are exact, their sum is rounded once. A 32-bit FPU converts
+/// halves by itself, the whole only in software.
 pub(crate) const fn f64_from_i64(value: i64) -> f64 {
-    value as f64
+    (value >> 32) as i32 as f64 * HALVES + value as u32 as f64
 }
 
-/// Nearest f64 to a u64.
+/// Nearest f64 to a u64, as [`f64_from_i64`].
 pub(crate) const fn f64_from_u64(value: u64) -> f64 {
-    value as f64
+    (value >> 32) as u32 as f64 * HALVES + value as u32 as f64
 }
 
 /// Nearest f64 to a u128.
@@ -30,6 +34,11 @@ pub(crate) const fn f64_from_u128(value: u128) -> f64 {
 /// Integer part of an f64, saturating; NaN gives 0.
 pub(crate) const fn i64_from_f64(value: f64) -> i64 {
     value as i64
+}
+
+/// Integer part of an f64, saturating; NaN gives 0.
+pub(crate) const fn u32_from_f64(value: f64) -> u32 {
+    value as u32
 }
 
 /// The same bits read as two's complement.
@@ -75,4 +84,21 @@ pub(crate) const fn index_from_u32(value: u32) -> usize {
 /// A granule number as an index; saturates where it does not fit, and the look-up fails.
 pub(crate) const fn index_from_u64(value: u64) -> usize {
     if value as usize as u64 == value { value as usize } else { usize::MAX }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn halves_make_the_nearest(bits: u64, shift in 0_u32..64) {
+            for value in [bits >> shift, u64::MAX - (bits >> shift)] {
+                let signed = signed_from_u64(value);
+                prop_assert_eq!(f64_from_u64(value).to_bits(), (value as f64).to_bits());
+                prop_assert_eq!(f64_from_i64(signed).to_bits(), (signed as f64).to_bits());
+            }
+        }
+    }
 }

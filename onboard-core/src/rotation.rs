@@ -65,7 +65,7 @@ impl<A, B> Rotation<A, B> {
     /// The rotation that changes nothing.
     pub const IDENTITY: Self = Self::from_parts(0.0, 0.0, 0.0, 1.0);
 
-    const fn from_parts(x: f64, y: f64, z: f64, w: f64) -> Self {
+    pub(crate) const fn from_parts(x: f64, y: f64, z: f64, w: f64) -> Self {
         let quaternion = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
         Self { quaternion, frames: PhantomData }
     }
@@ -130,9 +130,11 @@ impl<A, B> Rotation<A, B> {
     pub fn to_direction_with_x_north(direction: Direction<B>) -> Self {
         let [x, y, z] = direction.xyz();
         let rho = libm::sqrt(x * x + y * y);
-        let (cos_lon, sin_lon) = if rho > 0.0 { (x / rho, y / rho) } else { (1.0, 0.0) };
-        let (sin_half_lon, cos_half_lon) = half_angle(sin_lon, cos_lon);
-        let (sin_half_col, cos_half_col) = half_angle(rho, z);
+        let (sin_half_lon, cos_half_lon, norm2_lon) =
+            if rho > 0.0 { half_angle(y, x, rho) } else { (0.0, 1.0, 1.0) };
+        let (sin_half_col, cos_half_col, norm2_col) = half_angle(rho, z, 1.0);
+        let scale = 1.0 / libm::sqrt(norm2_lon * norm2_col);
+        let (sin_half_lon, cos_half_lon) = (sin_half_lon * scale, cos_half_lon * scale);
         // R_z(longitude) R_y(colatitude) R_z(pi), multiplied out.
         Self::from_parts(
             cos_half_lon * sin_half_col,
@@ -163,6 +165,18 @@ impl<A, B> Rotation<A, B> {
         Direction::from_unit(self.rotate(direction.vector()))
     }
 
+    /// A's x and z axes in `B`: columns of the rotation's matrix.
+    pub(crate) fn x_and_z(self) -> (Vector3<f64>, Vector3<f64>) {
+        let q = self.quaternion.quaternion().coords;
+        let (xx, yy, zz) = (q.x * q.x, q.y * q.y, q.z * q.z);
+        let (xy, xz, yz) = (q.x * q.y, q.x * q.z, q.y * q.z);
+        let (wx, wy, wz) = (q.w * q.x, q.w * q.y, q.w * q.z);
+        (
+            Vector3::new(1.0 - 2.0 * (yy + zz), 2.0 * (xy + wz), 2.0 * (xz - wy)),
+            Vector3::new(2.0 * (xz + wy), 2.0 * (yz - wx), 1.0 - 2.0 * (xx + yy)),
+        )
+    }
+
     pub(crate) fn rotate(self, vector: Vector3<f64>) -> Vector3<f64> {
         self.quaternion * vector
     }
@@ -176,14 +190,17 @@ impl Rotation<Icrf, Ecliptic> {
     }
 }
 
-/// Sine and cosine of half the angle whose sine and cosine are given, without cancellation.
-fn half_angle(sin: f64, cos: f64) -> (f64, f64) {
+/// Half the angle whose sine and cosine are given times `length`: its sine and cosine times a common
+/// factor, and that factor squared; without cancellation.
+///
+/// From `tan(x/2) = sin x / (1 + cos x) = (1 - cos x) / sin x`.
+fn half_angle(sin: f64, cos: f64, length: f64) -> (f64, f64, f64) {
     if cos >= 0.0 {
-        let cos_half = libm::sqrt(0.5 * (1.0 + cos));
-        (0.5 * sin / cos_half, cos_half)
+        let sum = length + cos;
+        (sin, sum, 2.0 * length * sum)
     } else {
-        let sin_half = libm::copysign(libm::sqrt(0.5 * (1.0 - cos)), sin);
-        (sin_half, 0.5 * sin / sin_half)
+        let difference = length - cos;
+        (libm::copysign(difference, sin), libm::fabs(sin), 2.0 * length * difference)
     }
 }
 
@@ -250,6 +267,11 @@ mod tests {
             let r = Rotation::<Spin, Spin>::about_z(a)
                 .then(Rotation::<Spin, Spin>::about_y(b))
                 .then(Rotation::<Spin, Spin>::about_x(c));
+            let (x_axis, z_axis) = r.x_and_z();
+            for (axis, unit) in [(x_axis, [1.0, 0.0, 0.0]), (z_axis, [0.0, 0.0, 1.0])] {
+                let [x, y, z] = unit;
+                prop_assert!((axis - r.rotate(Vector3::new(x, y, z))).norm() < 2e-15);
+            }
             let [x, y, z, w] = r.then(r.inverse()).to_xyzw();
             prop_assert!(x.abs() < 2e-15 && y.abs() < 2e-15 && z.abs() < 2e-15 && (w - 1.0).abs() < 2e-15);
         }

@@ -53,6 +53,11 @@ pub enum ScanError {
 #[derive(Debug, Clone, Copy)]
 pub struct ScanStrategy {
     parameters: ScanParameters,
+    /// Sine and cosine of alpha / 2.
+    half_alpha: (f64, f64),
+    boresight_in_spin: Rotation<Boresight, Spin>,
+    /// Signed precession and spin rates in rad/s.
+    rates_rad_s: (f64, f64),
 }
 
 /// Slack for alpha + beta = pi given in rounded radians.
@@ -84,7 +89,15 @@ impl ScanStrategy {
         if !usable(parameters.spin) {
             return Err(ScanError::SpinRate);
         }
-        Ok(Self { parameters })
+        Ok(Self {
+            parameters,
+            half_alpha: libm::sincos(0.5 * alpha),
+            boresight_in_spin: Rotation::about_y(beta),
+            rates_rad_s: (
+                parameters.precession.rate.radians_per_second(),
+                parameters.spin.rate.radians_per_second(),
+            ),
+        })
     }
 
     /// The parameters as given.
@@ -118,17 +131,30 @@ impl ScanStrategy {
 
     /// The fixed rotation from [`Boresight`] to [`Spin`]: `R_y(beta)`.
     #[must_use]
-    pub fn boresight_in_spin(&self) -> Rotation<Boresight, Spin> {
-        Rotation::about_y(self.parameters.beta_rad)
+    pub const fn boresight_in_spin(&self) -> Rotation<Boresight, Spin> {
+        self.boresight_in_spin
+    }
+
+    /// Signed precession and spin rates in rad/s.
+    pub(crate) const fn rates_rad_s(&self) -> (f64, f64) {
+        self.rates_rad_s
     }
 
     /// The rotation from [`Spin`] to [`AntiSun`] at `at`: `R_z(a) R_y(alpha) R_z(b)`.
     #[must_use]
     pub fn spin_in_anti_sun(&self, at: Instant) -> Rotation<Spin, AntiSun> {
         let (precession, spin) = self.phases(at);
-        Rotation::<Spin, Spin>::about_z_by(spin)
-            .then(Rotation::<Spin, Spin>::about_y(self.parameters.alpha_rad))
-            .then(Rotation::about_z_by(precession))
+        let (half_a, half_b) = (precession.half(), spin.half());
+        let (sin_sum, cos_sum) = half_a.plus(half_b).sin_cos();
+        let (sin_difference, cos_difference) = half_a.plus(half_b.negated()).sin_cos();
+        let (sin_tilt, cos_tilt) = self.half_alpha;
+        // The product multiplied out.
+        Rotation::from_parts(
+            -sin_tilt * sin_difference,
+            sin_tilt * cos_difference,
+            cos_tilt * sin_sum,
+            cos_tilt * cos_sum,
+        )
     }
 }
 
@@ -136,6 +162,7 @@ impl ScanStrategy {
 mod tests {
     use super::*;
     use crate::phase::TurnRate;
+    use proptest::prelude::*;
 
     fn parameters(alpha_deg: f64, beta_deg: f64) -> ScanParameters {
         let rotor = Rotor { rate: TurnRate::from_bits(1 << 80), start: Phase::ZERO };
@@ -160,6 +187,24 @@ mod tests {
             ScanStrategy::new(parameters(100.0, 81.0)),
             Err(ScanError::AlphaPlusBeta(_))
         ));
+    }
+
+    proptest! {
+        #[test]
+        fn the_chain_is_its_product(alpha in 0.0..90.0_f64, a: u64, b: u64, ns: i64) {
+            let mut chain = parameters(alpha, 20.0);
+            chain.precession.start = Phase::from_bits(a);
+            chain.spin.start = Phase::from_bits(b);
+            let scan = ScanStrategy::new(chain).unwrap();
+            let at = Instant::from_tai_ns(ns);
+            let (precession, spin) = scan.phases(at);
+            let product = Rotation::<Spin, Spin>::about_z_by(spin)
+                .then(Rotation::<Spin, Spin>::about_y(alpha.to_radians()))
+                .then(Rotation::<Spin, AntiSun>::about_z_by(precession));
+            let [x, y, z, w] = scan.spin_in_anti_sun(at).then(product.inverse()).to_xyzw();
+            prop_assert!(x.abs() < 1e-15 && y.abs() < 1e-15 && z.abs() < 1e-15);
+            prop_assert!((w - 1.0).abs() < 1e-15);
+        }
     }
 
     #[test]

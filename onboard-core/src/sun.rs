@@ -49,6 +49,21 @@ impl SunModel<'_> {
         }
     }
 
+    /// The direction of [`Self::state`] alone.
+    pub(crate) fn direction(
+        &self,
+        start: Instant,
+        at: Instant,
+    ) -> Result<Direction<Ecliptic>, EphemerisError> {
+        match self {
+            Self::Circular(longitude) => {
+                let (sin, cos) = longitude.phase(at.since(start)).sin_cos();
+                Ok(Direction::from_unit(Vector3::new(cos, sin, 0.0)))
+            }
+            Self::Table(body) => body.direction(at),
+        }
+    }
+
     /// Bounds on the direction's motion over all the time it is known.
     #[must_use]
     pub fn bounds(&self) -> MotionBounds {
@@ -60,6 +75,18 @@ impl SunModel<'_> {
             Self::Table(body) => body.bounds(),
         }
     }
+}
+
+/// Angular velocity in rad/s of the [`AntiSun`] frame that follows `sun`, components in [`Ecliptic`].
+///
+/// `omega = longitude' north + latitude' y`, y level: with n the direction, v its rate and rho the
+/// cosine of the latitude, `omega = (v_z n_y, -v_z n_x, n_x v_y - n_y v_x) / rho^2`.
+pub(crate) fn frame_angular_velocity(sun: &DirectionState<Ecliptic>) -> Vector3<f64> {
+    let n = sun.direction.vector();
+    let [vx, vy, vz] = sun.rate_per_s;
+    let rho2 = n.x * n.x + n.y * n.y;
+    let per_rho2 = if rho2 > 0.0 { 1.0 / rho2 } else { 0.0 };
+    Vector3::new(vz * n.y, -vz * n.x, n.x * vy - n.y * vx) * per_rho2
 }
 
 /// The axes of [`AntiSun`] in [`Ecliptic`], and how they turn.
@@ -198,6 +225,11 @@ mod tests {
                 rate_per_s: [0.0; 3],
             };
             let h = 1e-5;
+            let whole = AntiSunAxes::new(&sun(0.0)).angular_velocity;
+            let direct = frame_angular_velocity(&sun(0.0));
+            for (a, b) in whole.iter().zip(direct.iter()) {
+                prop_assert!((a - b).abs() < 1e-14 / lat.cos());
+            }
             let at = |t: f64| AntiSunAxes::new(&sun(t)).view(&target);
             let (after, before) = (at(h).direction.xyz(), at(-h).direction.xyz());
             for ((a, b), rate) in after.iter().zip(before).zip(at(0.0).rate_per_s) {

@@ -49,11 +49,14 @@ fn versions(lock: &str) -> BTreeMap<String, Vec<String>> {
 }
 
 #[test]
-fn the_link_probe_links_the_same_arithmetic() {
-    let (ours, probe) = (versions("Cargo.lock"), versions("tests/link-probe/Cargo.lock"));
-    for name in ["nalgebra", "libm", "heapless", "crc", "serde", "simba", "num-traits"] {
-        let probed = probe.get(name).unwrap_or_else(|| panic!("{name} is not in the probe's lock"));
-        let [version] = &probed[..] else { panic!("{name} twice in the probe's lock") };
-        assert!(ours[name].contains(version), "{name} {version} in the probe, {:?}", ours[name]);
+fn probe_and_firmware_link_the_same_arithmetic() {
+    let ours = versions("Cargo.lock");
+    for lock in ["tests/link-probe/Cargo.lock", "tests/firmware/Cargo.lock"] {
+        let theirs = versions(lock);
+        for name in ["nalgebra", "libm", "heapless", "crc", "serde", "simba", "num-traits"] {
+            let found = theirs.get(name).unwrap_or_else(|| panic!("{name} is not in {lock}"));
+            let [version] = &found[..] else { panic!("{name} twice in {lock}") };
+            assert!(ours[name].contains(version), "{name} {version} in {lock}, {:?}", ours[name]);
+        }
     }
 }
