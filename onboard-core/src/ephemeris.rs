@@ -242,6 +242,7 @@ impl BodyTable<'_> {
         self.evaluate(at).ok_or(EphemerisError::OutOfSpan(at))
     }
 
+    #[inline(never)]
     fn evaluate(self, at: Instant) -> Option<DirectionState<Ecliptic>> {
         // The last span that starts at or before `at`; its far end is inclusive.
         let after = self

@@ -128,28 +128,33 @@ impl Reach {
     }
 
     /// Largest second derivative of the closeness near the sight.
+    #[inline(never)]
     pub(super) fn closeness_curvature(&self, motion: &Motion, sight: &Sight) -> f64 {
         self.curvature(motion, sight, libm::hypot(self.centre.x, self.centre.y))
     }
 
     /// Whether the target is inside.
+    #[inline(never)]
     pub(super) fn inside(&self, sight: &Sight) -> bool {
         self.caps().iter().all(|cap| cap.depth(sight).0 >= 0.0)
     }
 
     /// Seconds back from a sight just inside to the entry, by one Newton step.
+    #[inline(never)]
     pub(super) fn since_entry(&self, sight: &Sight) -> f64 {
         // The last cap to be entered is the one entered most recently.
         self.caps().iter().map(|cap| cap.newton(sight, 1.0)).fold(f64::INFINITY, libm::fmin)
     }
 
     /// Seconds back from a sight just outside to the exit, by one Newton step.
+    #[inline(never)]
     pub(super) fn since_exit(&self, sight: &Sight) -> f64 {
         let left = self.caps().iter().filter(|cap| cap.depth(sight).0 < 0.0);
         left.map(|cap| cap.newton(sight, -1.0)).fold(0.0, libm::fmax)
     }
 
     /// Seconds without an exit, from a sight that is inside.
+    #[inline(never)]
     pub(super) fn stays_inside(&self, motion: &Motion, sight: &Sight) -> f64 {
         let holds = |cap: &Cap| {
             let (depth, rate) = cap.depth(sight);
@@ -164,6 +169,7 @@ impl Reach {
     }
 
     /// Seconds without an entry, from a sight that is outside.
+    #[inline(never)]
     pub(super) fn stays_outside(&self, motion: &Motion, sight: &Sight) -> f64 {
         let gamma = libm::atan2(sight.sin_gamma, sight.cos_gamma);
         let short = libm::fmax(self.gamma_min - gamma, gamma - self.gamma_max);
