@@ -279,6 +279,7 @@ impl BodyTable<'_> {
         Some(Series { orders, x: 2.0 * (f64_from_u64(within) / length) - 1.0, length })
     }
 
+    #[inline(never)]
     fn evaluate(self, at: Instant) -> Option<DirectionState<Ecliptic>> {
         let series = self.series(at)?;
         let (value, slope) = chebyshev(series.orders, series.x);

@@ -39,8 +39,8 @@ link() {
     case $build in
     x86-64-*)
         target=x86_64-unknown-linux-gnu
-        # Jump tables and calls through the linker's table of addresses would look like indirect calls.
-        flags=(-Cjump-tables=no -Zplt=yes -Crelocation-model=static -Clink-arg=-static -Clink-arg=-nostartfiles -Clink-arg=-nodefaultlibs)
+        # Jump tables would look like indirect calls.
+        flags=(-Cjump-tables=no -Crelocation-model=static -Clink-arg=-static -Clink-arg=-nostartfiles -Clink-arg=-nodefaultlibs)
         ;;
     m7-*) cpu=(-Ctarget-cpu=cortex-m7) ;;
     m4f-*) cpu=(-Ctarget-cpu=cortex-m4) ;;

@@ -9,7 +9,7 @@
 //! frame. A jump to another function (a tail call) counts as a call, which is never too little.
 //!
 //! Refused, because no bound follows: recursion, calls and jumps through registers or memory (a
-//! `tbb`/`tbh` table is a jump inside its function), jumps into the middle of a function, frames that
+//! `tbb`/`tbh` table is a jump inside its function; an address from the linker's table is known), jumps into the middle of a function, frames that
 //! neither source gives.
 //!
 //! Limits: x86-64 and 32-bit Arm (Thumb) only; interrupts' own frames are not included.
@@ -84,6 +84,8 @@ pub struct Binary {
     /// Where a function's code ends, by where it begins; the linker's padding follows.
     ends: BTreeMap<u64, u64>,
     frames: BTreeMap<u64, u64>,
+    /// The linker's table of addresses (`.got`), by place.
+    addresses: BTreeMap<u64, u64>,
     /// Sizes of its memory.
     pub sizes: Sizes,
 }
@@ -135,13 +137,21 @@ impl Binary {
         };
         let mut sizes = Sizes::default();
         let mut frames = BTreeMap::new();
+        let mut addresses = BTreeMap::new();
         for section in file.sections() {
             let name = section.name().unwrap_or_default();
             let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
             let written_by_linker = [".got", ".dynamic", ".relro_padding", ".data.rel.ro"]
                 .iter()
                 .any(|prefix| name.starts_with(prefix));
-            if name == ".stack_sizes" {
+            if name == ".got" && machine == Machine::X86 {
+                let data = section.data().map_err(|e| StackError::Unreadable(e.to_string()))?;
+                let places = (section.address()..).step_by(8);
+                addresses = places
+                    .zip(data.as_chunks::<8>().0)
+                    .map(|(place, address)| (place, u64::from_le_bytes(*address)))
+                    .collect();
+            } else if name == ".stack_sizes" {
                 let data = section.data().map_err(|e| StackError::Unreadable(e.to_string()))?;
                 frames = stack_sizes(data, if machine == Machine::X86 { 8 } else { 4 })
                     .ok_or_else(|| StackError::Unreadable("cut .stack_sizes".into()))?;
@@ -165,7 +175,7 @@ impl Binary {
                 ends.insert(start, start + symbol.size());
             }
         }
-        Ok(Self { machine, symbols, ends, frames, sizes })
+        Ok(Self { machine, symbols, ends, frames, addresses, sizes })
     }
 
     /// The instruction set, which decides on the disassembler.
@@ -253,8 +263,22 @@ impl Binary {
             let mut calls = BTreeSet::new();
             let mut moved = 0;
             let mut unknown = None;
-            for (_, line) in block.instructions.iter().filter(|(at, _)| *at < end) {
+            let own: Vec<_> = block.instructions.iter().filter(|(at, _)| *at < end).collect();
+            let entered: BTreeSet<u64> = own
+                .iter()
+                .filter_map(|(_, line)| match self.flow(&Instruction::parse(line)) {
+                    Flow::Jump(to) => Some(to),
+                    _ => None,
+                })
+                .collect();
+            // x86-64: the register that holds an address of the linker's table, until it is written
+            // or a jump may enter.
+            let mut held: Option<(&str, u64)> = None;
+            for (at, line) in own {
                 let instruction = Instruction::parse(line);
+                if entered.contains(at) {
+                    held = None;
+                }
                 match self.flow(&instruction) {
                     Flow::On => {}
                     Flow::Call(to) => {
@@ -268,8 +292,27 @@ impl Binary {
                         return Err(StackError::JumpIntoFunction(name, instruction.to_string()));
                     }
                     Flow::Indirect => {
-                        return Err(StackError::IndirectCall(name, instruction.to_string()));
+                        let through = x86::place(line).and_then(|place| self.addresses.get(&place));
+                        match (through, held) {
+                            (Some(to), _) => calls.insert(*to),
+                            (None, Some((register, to))) if x86::calls(&instruction, register) => {
+                                calls.insert(to)
+                            }
+                            _ => {
+                                return Err(StackError::IndirectCall(
+                                    name,
+                                    instruction.to_string(),
+                                ));
+                            }
+                        };
                     }
+                }
+                if self.machine == Machine::X86 {
+                    let loaded = x86::loaded(line).and_then(|(register, place)| {
+                        Some((register, *self.addresses.get(&place)?))
+                    });
+                    held =
+                        loaded.or(held.filter(|(register, _)| x86::keeps(&instruction, register)));
                 }
                 match self.stack_moved(&instruction) {
                     Some(bytes) => moved += bytes,
@@ -417,6 +460,7 @@ mod tests {
             machine,
             symbols: symbols.map(|(name, at)| (String::from(*name), at)).collect(),
             ends: BTreeMap::new(),
+            addresses: BTreeMap::from([(0x100, 0x30)]),
             frames: frames.iter().copied().collect(),
             sizes: Sizes::default(),
         }
@@ -432,6 +476,21 @@ mod tests {
         assert_eq!(depths["a"].bytes, 100 + 8 + 26);
         let names: Vec<_> = depths["a"].chain.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["a", "b", "c"]);
+    }
+
+    #[test]
+    fn an_address_of_the_linkers_table_is_followed_while_it_is_held() {
+        let depths = |between: &str| {
+            let text = format!(
+                "00000010 <a>:\n  10:\tmov    0xe9(%rip),%r12        # 100 <x>\n  14:\t{between}\n  \
+                 18:\tcall   *%r12\n  1a:\tjne    10 <a>\n00000030 <c>:\n  30:\tpush   %rbx\n"
+            );
+            binary(Machine::X86, &[(0x10, 100)]).depths(&text)
+        };
+        assert_eq!(depths("call   30 <c>").unwrap()["a"].bytes, 100 + 8 + 8);
+        for lost in ["xor    %r12d,%r12d", "pop    %r12", "cmovo  %rcx,%r12", "jmp    18 <a+0x8>"] {
+            assert!(matches!(depths(lost), Err(StackError::IndirectCall(..))), "{lost}");
+        }
     }
 
     #[test]

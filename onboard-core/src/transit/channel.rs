@@ -52,6 +52,19 @@ struct Visit {
     best: Approach,
 }
 
+/// One evaluation, and what it certifies.
+#[derive(Debug, Clone, Copy)]
+struct Survey {
+    now: Approach,
+    inside: bool,
+    /// Seconds back to the entry or exit, where the boundary was crossed.
+    since_s: f64,
+    /// Seconds ahead without another crossing.
+    stays_s: f64,
+    /// Largest second derivative of the closeness, 1/s^2.
+    curvature: f64,
+}
+
 /// A search for one target in one field of view.
 #[derive(Debug, Clone, Copy)]
 pub struct Channel<'a> {
@@ -121,39 +134,108 @@ impl<'a> Channel<'a> {
     }
 
     /// Searches on by one certified span: at most [`MAX_EVALUATIONS_PER_STEP`] evaluations.
+    ///
+    /// In three parts, so that no frame of one lies below the evaluations of another.
+    #[inline(never)]
     pub(super) fn advance(&mut self) -> Result<(), EphemerisError> {
+        let seen = self.survey()?;
+        let summit = match self.rising(&seen) {
+            Some(before) => Some(self.summit(before, seen.now)?),
+            None => None,
+        };
+        self.conclude(&seen, summit);
+        Ok(())
+    }
+
+    /// Evaluates at the next instant, and all that follows from it for this stage.
+    #[inline(never)]
+    fn survey(&mut self) -> Result<Survey, EphemerisError> {
         let at = self.state.at;
         let sight = self.sight(at)?;
         let (closeness, rate) = self.reach.closeness(&sight);
         let now = Approach { at, closeness, rate };
-        match (self.state.stage, self.reach.inside(&sight)) {
-            (Stage::Outside, false) => {
-                if at >= self.state.end {
-                    self.state.stage = Stage::Done;
-                    return Ok(());
-                }
-                self.move_on(now, self.reach.stays_outside(&self.motion, &sight));
-            }
-            (Stage::Outside, true) => {
+        let inside = self.reach.inside(&sight);
+        let was_inside = matches!(self.state.stage, Stage::Inside(_));
+        let since_s = match (was_inside, inside) {
+            (false, true) => self.reach.since_entry(&sight),
+            (true, false) => self.reach.since_exit(&sight),
+            _ => 0.0,
+        };
+        let stays_s = match (was_inside, inside) {
+            (_, true) => self.reach.stays_inside(&self.motion, &sight),
+            (false, false) => self.reach.stays_outside(&self.motion, &sight),
+            (true, false) => 0.0,
+        };
+        let curvature = self.reach.closeness_curvature(&self.motion, &sight);
+        Ok(Survey { now, inside, since_s, stays_s, curvature })
+    }
+
+    /// The visit that the survey finds in progress, before any summit is known.
+    fn visit(&self, seen: &Survey) -> Option<Visit> {
+        let now = seen.now;
+        match self.state.stage {
+            Stage::Inside(visit) => Some(visit),
+            Stage::Outside if seen.inside => {
                 let entry = match self.state.previous {
-                    Some(before) => back(at, self.reach.since_entry(&sight), before.at),
-                    None => at,
+                    Some(before) => back(now.at, seen.since_s, before.at),
+                    None => now.at,
                 };
                 let clipped = self.state.previous.is_none();
-                let best = Approach { at: entry, ..now };
-                self.go_on_inside(&sight, now, Visit { entry, clipped, best })?;
+                Some(Visit { entry, clipped, best: Approach { at: entry, ..now } })
             }
-            (Stage::Inside(visit), true) => self.go_on_inside(&sight, now, visit)?,
-            (Stage::Inside(visit), false) => {
-                let inside_until = self.state.previous.map_or(at, |before| before.at);
-                let exit = back(at, self.reach.since_exit(&sight), inside_until);
-                let best = self.closer(&sight, now, visit.best)?;
-                self.finish(visit, best, exit, false);
-                self.state.previous = Some(now);
-            }
-            (Stage::Found(_) | Stage::Done, _) => {}
+            Stage::Outside | Stage::Found(_) | Stage::Done => None,
         }
-        Ok(())
+    }
+
+    /// The previous evaluation, where an approach closer than the best may lie since then.
+    #[inline(never)]
+    fn rising(&self, seen: &Survey) -> Option<Approach> {
+        let (now, best) = (seen.now, self.visit(seen)?.best);
+        let before = self.state.previous?;
+        if !(before.rate > 0.0 && now.rate <= 0.0) {
+            return None;
+        }
+        let span = now.at.since(before.at).seconds();
+        let ceiling =
+            libm::fmax(before.closeness, now.closeness) + 0.125 * seen.curvature * span * span;
+        (ceiling > best.closeness).then_some(before)
+    }
+
+    /// Moves the state on by what was seen.
+    #[inline(never)]
+    fn conclude(&mut self, seen: &Survey, summit: Option<Approach>) {
+        let now = seen.now;
+        let Some(mut visit) = self.visit(seen) else {
+            if self.state.stage == Stage::Outside {
+                if now.at >= self.state.end {
+                    self.state.stage = Stage::Done;
+                } else {
+                    self.move_on(now, seen.stays_s);
+                }
+            }
+            return;
+        };
+        if let Some(summit) = summit
+            && summit.closeness > visit.best.closeness
+        {
+            visit.best = summit;
+        }
+        if !seen.inside {
+            let inside_until = self.state.previous.map_or(now.at, |before| before.at);
+            let exit = back(now.at, seen.since_s, inside_until);
+            self.finish(visit, visit.best, exit, false);
+            self.state.previous = Some(now);
+            return;
+        }
+        if now.closeness > visit.best.closeness {
+            visit.best = now;
+        }
+        if now.at >= self.state.end {
+            self.finish(visit, visit.best, now.at, true);
+        } else {
+            self.state.stage = Stage::Inside(visit);
+            self.move_on(now, seen.stays_s);
+        }
     }
 
     /// The one place where the search evaluates, so that the count is whole.
@@ -175,30 +257,19 @@ impl<'a> Channel<'a> {
         &self.reach
     }
 
+    /// How close the target is at `at`.
+    #[inline(never)]
+    fn approach(&mut self, at: Instant) -> Result<Approach, EphemerisError> {
+        let sight = self.sight(at)?;
+        let (closeness, rate) = self.reach.closeness(&sight);
+        Ok(Approach { at, closeness, rate })
+    }
+
     fn move_on(&mut self, now: Approach, seconds: f64) {
         let whole_ns = Duration::from_seconds_floor(seconds).ns();
         let next = now.at.plus(Duration::from_ns(if whole_ns < 1 { 1 } else { whole_ns }));
         self.state.at = if next < self.state.end { next } else { self.state.end };
         self.state.previous = Some(now);
-    }
-
-    fn go_on_inside(
-        &mut self,
-        sight: &Sight,
-        now: Approach,
-        mut visit: Visit,
-    ) -> Result<(), EphemerisError> {
-        visit.best = self.closer(sight, now, visit.best)?;
-        if now.closeness > visit.best.closeness {
-            visit.best = now;
-        }
-        if now.at >= self.state.end {
-            self.finish(visit, visit.best, now.at, true);
-        } else {
-            self.state.stage = Stage::Inside(visit);
-            self.move_on(now, self.reach.stays_inside(&self.motion, sight));
-        }
-        Ok(())
     }
 
     fn finish(&mut self, visit: Visit, best: Approach, exit: Instant, exit_clipped: bool) {
@@ -214,28 +285,8 @@ impl<'a> Channel<'a> {
         });
     }
 
-    /// The closer of `best` and the closest approach between the previous evaluation and `now`.
-    fn closer(
-        &mut self,
-        sight: &Sight,
-        now: Approach,
-        best: Approach,
-    ) -> Result<Approach, EphemerisError> {
-        let Some(before) = self.state.previous else { return Ok(best) };
-        if !(before.rate > 0.0 && now.rate <= 0.0) {
-            return Ok(best);
-        }
-        let span = now.at.since(before.at).seconds();
-        let ceiling = libm::fmax(before.closeness, now.closeness)
-            + 0.125 * self.reach.closeness_curvature(&self.motion, sight) * span * span;
-        if ceiling <= best.closeness {
-            return Ok(best);
-        }
-        let summit = self.summit(before, now)?;
-        Ok(if summit.closeness > best.closeness { summit } else { best })
-    }
-
     /// The maximum of closeness between two evaluations, by false position on its rate (Illinois).
+    #[inline(never)]
     fn summit(&mut self, before: Approach, after: Approach) -> Result<Approach, EphemerisError> {
         let (mut low, mut high) = (before, after);
         let mut best = if before.closeness > after.closeness { before } else { after };
@@ -248,14 +299,12 @@ impl<'a> Channel<'a> {
             let share = low.rate / (low.rate - high.rate);
             let offset = Duration::from_seconds(high.at.since(low.at).seconds() * share).ns();
             let at = low.at.plus(Duration::from_ns(within(offset, width)));
-            let sight = self.sight(at)?;
-            let (closeness, rate) = self.reach.closeness(&sight);
-            let here = Approach { at, closeness, rate };
+            let here = self.approach(at)?;
             let moved = at.since(best.at).ns().saturating_abs();
-            if closeness >= best.closeness {
+            if here.closeness >= best.closeness {
                 best = here;
             }
-            if rate > 0.0 {
+            if here.rate > 0.0 {
                 low = here;
                 if kept_low > 0 {
                     high.rate *= 0.5;

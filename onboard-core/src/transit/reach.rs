@@ -193,6 +193,7 @@ impl Reach {
     }
 
     /// Largest second derivative of the closeness near the sight.
+    #[inline(never)]
     pub(super) fn closeness_curvature(&self, motion: &Motion, sight: &Sight) -> f64 {
         let sin_beta = match &self.edge {
             Edge::Enlarged(enlarged) => enlarged.sin_beta,
@@ -202,6 +203,7 @@ impl Reach {
     }
 
     /// Whether the target is inside.
+    #[inline(never)]
     pub(super) fn inside(&self, sight: &Sight) -> bool {
         match &self.edge {
             Edge::Enlarged(enlarged) => enlarged.depth(sight).0 >= 0.0,
@@ -210,6 +212,7 @@ impl Reach {
     }
 
     /// Seconds back from a sight just inside to the entry, by one Newton step.
+    #[inline(never)]
     pub(super) fn since_entry(&self, sight: &Sight) -> f64 {
         if let Edge::Enlarged(enlarged) = &self.edge {
             return newton(enlarged.depth(sight), 1.0);
@@ -220,6 +223,7 @@ impl Reach {
     }
 
     /// Seconds back from a sight just outside to the exit, by one Newton step.
+    #[inline(never)]
     pub(super) fn since_exit(&self, sight: &Sight) -> f64 {
         if let Edge::Enlarged(enlarged) = &self.edge {
             return newton(enlarged.depth(sight), -1.0);
@@ -277,6 +281,7 @@ impl Reach {
     }
 
     /// Seconds without an exit, from a sight that is inside.
+    #[inline(never)]
     pub(super) fn stays_inside(&self, motion: &Motion, sight: &Sight) -> f64 {
         let holds = |(depth, rate): (f64, f64), sin_beta: f64, tolerance: f64| {
             crossing_free(
@@ -297,6 +302,7 @@ impl Reach {
     }
 
     /// Seconds without an entry, from a sight that is outside.
+    #[inline(never)]
     pub(super) fn stays_outside(&self, motion: &Motion, sight: &Sight) -> f64 {
         let gamma = libm::atan2(sight.sin_gamma, sight.cos_gamma);
         let short = libm::fmax(self.gamma_min - gamma, gamma - self.gamma_max);

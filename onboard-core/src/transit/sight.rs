@@ -2,6 +2,7 @@
 
 use crate::direction::DirectionState;
 use crate::ephemeris::{BodyTable, EphemerisError};
+use crate::frame::AntiSun;
 use crate::scan::ScanStrategy;
 use crate::sun::{AntiSunAxes, SunModel};
 use crate::time::Instant;
@@ -56,13 +57,19 @@ impl Sight {
         target: BodyTable<'_>,
         at: Instant,
     ) -> Result<Self, EphemerisError> {
-        let anti_sun = sun.state(motion.scan.parameters().start, at)?;
-        let seen: DirectionState<_> = AntiSunAxes::new(&anti_sun).view(&target.state(at)?);
+        let seen = in_anti_sun(motion.scan.parameters().start, sun, target, at)?;
+        Ok(Self::turned(motion, &seen, &sines(&motion.scan, at)))
+    }
+
+    /// The target in the anti-Sun frame, taken to the spinning spacecraft.
+    #[inline(never)]
+    fn turned(
+        motion: &Motion,
+        seen: &DirectionState<AntiSun>,
+        &[(sin_a, cos_a), (sin_b, cos_b)]: &[(f64, f64); 2],
+    ) -> Self {
         let p = seen.direction.vector();
         let [vx, vy, vz] = seen.rate_per_s;
-        let (precession, spin) = motion.scan.phases(at);
-        let (sin_a, cos_a) = precession.sin_cos();
-        let (sin_b, cos_b) = spin.sin_cos();
 
         // R_z(-a), then R_y(-alpha); the turning frame adds -w_a z x p.
         let turned = back_about_z(p, sin_a, cos_a);
@@ -84,7 +91,7 @@ impl Sight {
             sin_b,
             cos_b,
         );
-        Ok(Self {
+        Self {
             cos_gamma: p.z,
             sin_gamma: libm::sqrt(p.x * p.x + p.y * p.y),
             precessed: (turned.x, turned.y),
@@ -92,8 +99,32 @@ impl Sight {
             sin_delta: libm::sqrt(tilted.x * tilted.x + tilted.y * tilted.y),
             direction,
             rate,
-        })
+        }
     }
+}
+
+/// The target's direction and rate in the anti-Sun frame.
+#[inline(never)]
+fn in_anti_sun(
+    start: Instant,
+    sun: &SunModel<'_>,
+    target: BodyTable<'_>,
+    at: Instant,
+) -> Result<DirectionState<AntiSun>, EphemerisError> {
+    let axes = axes(start, sun, at)?;
+    Ok(axes.view(&target.state(at)?))
+}
+
+#[inline(never)]
+fn axes(start: Instant, sun: &SunModel<'_>, at: Instant) -> Result<AntiSunAxes, EphemerisError> {
+    Ok(AntiSunAxes::new(&sun.state(start, at)?))
+}
+
+/// Sine and cosine of the precession phase, then of the spin phase.
+#[inline(never)]
+fn sines(scan: &ScanStrategy, at: Instant) -> [(f64, f64); 2] {
+    let (precession, spin) = scan.phases(at);
+    [precession.sin_cos(), spin.sin_cos()]
 }
 
 fn back_about_z(v: Vector3<f64>, sin: f64, cos: f64) -> Vector3<f64> {

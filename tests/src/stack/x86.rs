@@ -37,6 +37,42 @@ pub(super) fn stack_moved(instruction: &Instruction<'_>) -> Option<u64> {
     }
 }
 
+/// The place that a call or a load through the instruction pointer names: `*0x9ce0(%rip) # 20e3f8 <...>`.
+pub(super) fn place(line: &str) -> Option<u64> {
+    let (instruction, comment) = line.split_once("# ")?;
+    let address = comment.split_whitespace().next()?;
+    instruction.contains("(%rip)").then(|| u64::from_str_radix(address, 16).ok()).flatten()
+}
+
+/// The register that a `mov` loads from a place; only one that calls preserve.
+pub(super) fn loaded(line: &str) -> Option<(&str, u64)> {
+    const KEPT: [&str; 6] = ["%rbx", "%rbp", "%r12", "%r13", "%r14", "%r15"];
+    let (source, register) = line.strip_prefix("mov ")?.split('#').next()?.split_once(",%")?;
+    let register = register.trim();
+    let register = KEPT.iter().find(|kept| kept.trim_start_matches('%') == register)?;
+    source.trim_end().ends_with("(%rip)").then_some((*register, place(line)?))
+}
+
+/// Whether the instruction calls or jumps to what `register` holds.
+pub(super) fn calls(instruction: &Instruction<'_>, register: &str) -> bool {
+    instruction.operands.strip_prefix('*') == Some(register)
+}
+
+/// Whether a register that holds an address surely still does: any other mention of it, whole or in
+/// part, counts as a write.
+pub(super) fn keeps(instruction: &Instruction<'_>, register: &str) -> bool {
+    if calls(instruction, register) {
+        return true;
+    }
+    let family = match register {
+        "%rbx" => "bx",
+        "%rbp" => "bp",
+        numbered => numbered.trim_start_matches('%'),
+    };
+    let low = if family == "bx" { "%bl" } else { family };
+    !instruction.operands.contains(family) && !instruction.operands.contains(low)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
