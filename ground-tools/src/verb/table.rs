@@ -3,6 +3,7 @@
 use super::{print_json, tell, world};
 use crate::cli::{SharedArgs, TableVerb};
 use crate::failure::Failure;
+use crate::mission::Mission;
 use crate::output::Sink;
 use crate::passes;
 use crate::quantity;
@@ -35,7 +36,7 @@ pub(super) fn run(shared: &SharedArgs, verb: &TableVerb) -> Result<(), Failure> 
 }
 
 /// An angle of the command line in radians.
-fn angle(option: &str, text: &str) -> Result<f64, Failure> {
+pub(super) fn angle(option: &str, text: &str) -> Result<f64, Failure> {
     let degrees =
         quantity::degrees(text).map_err(|error| Failure::Input(format!("{option}: {error}")))?;
     Ok(rounding::radians(&degrees))
@@ -123,7 +124,7 @@ struct Loaded<'b> {
     plan: Option<PlanTable<'b>>,
 }
 
-fn read(file: &Path) -> Result<Vec<u8>, Failure> {
+pub(super) fn read(file: &Path) -> Result<Vec<u8>, Failure> {
     std::fs::read(file).map_err(|error| Failure::file("read", file, &error))
 }
 
@@ -148,6 +149,23 @@ fn load<'b>(file: &Path, bytes: &'b [u8]) -> Result<Loaded<'b>, Failure> {
         .transpose()
         .map_err(|error: PlanError| refuse(format!("its plan is refused: {error:?}")))?;
     Ok(Loaded { container, ephemeris, mission, plan })
+}
+
+/// The ephemeris of an uplink table that was built for this mission.
+pub(super) fn ephemeris<'b>(
+    file: &Path,
+    bytes: &'b [u8],
+    mission: &Mission,
+) -> Result<EphemerisTable<'b>, Failure> {
+    let loaded = load(file, bytes)?;
+    if digest(mission) != loaded.container.header().mission_digest {
+        return Err(Failure::Input(format!(
+            "{}: it was built for another mission (its digest differs): one of table build with \
+             the same --mission, --set, --start and --duration is needed",
+            file.display()
+        )));
+    }
+    Ok(loaded.ephemeris)
 }
 
 /// The name of a body in a table.
