@@ -55,7 +55,8 @@ fn theirs(alpha: f64, beta: f64, elapsed_ns: u64) -> Matrix {
     let (s, c) = longitude.sin_cos();
     // Columns: x north, y = z cross x, z along the anti-Sun direction.
     let frame = [[0.0, s, c], [0.0, -c, s], [1.0, 0.0, 0.0]];
-    let scan = times(&times(&about_z(phase(PRECESSION_S)), &about_y(alpha)), &about_z(phase(SPIN_S)));
+    let scan =
+        times(&times(&about_z(phase(PRECESSION_S)), &about_y(alpha)), &about_z(phase(SPIN_S)));
     times(&times(&frame, &scan), &about_y(beta))
 }
 

@@ -63,8 +63,7 @@ fn in_comment(text: &str) -> String {
     text.chars().map(|c| if c.is_control() || c == '\\' { ' ' } else { c }).collect()
 }
 
-const UNITS: &str = "\
- * Times are ns of TAI: tai_ns since 2000-01-01T12:00:00 TAI, elapsed_ns since the mission's start.
+const UNITS: &str = " * Times are ns of TAI: tai_ns since 2000-01-01T12:00:00 TAI, elapsed_ns since the mission's start.
  * Angles are radians. Phases are binary fractions of a turn: 2^64 is one turn.
  * Quaternions are (x, y, z, w) and take components in the detector's frame to components in the
  * ecliptic of J2000 (ICRF turned about x by 84381.448 arcsec): v_ecliptic = q v_detector q*. They
@@ -216,7 +215,6 @@ fn array(out: &mut String, name: &str, rows: impl ExactSizeIterator<Item = Strin
     writeln!(out, "#define GYRFALCON_{}_COUNT {count}", name.to_uppercase())?;
     writeln!(out, "static const gyrfalcon_{name} gyrfalcon_{name}s[{}] = {{", count.max(1))?;
     if count == 0 {
-        // The one member of every struct that may start a row of zeros is its first.
         writeln!(out, "    {}", zero_row(name))?;
     }
     for row in rows {
