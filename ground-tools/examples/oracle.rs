@@ -64,12 +64,12 @@ fn theirs(alpha: f64, beta: f64, elapsed_ns: u64) -> Matrix {
 /// mind.
 fn apart(ours: Rotation<Boresight, Ecliptic>, theirs: &Matrix) -> Result<f64, Box<dyn Error>> {
     let mut largest = 0.0_f64;
-    for axis in 0..3 {
-        let unit: [f64; 3] = std::array::from_fn(|i| if i == axis { 1.0 } else { 0.0 });
-        let unit = Direction::new(unit[0], unit[1], unit[2]).ok_or("no direction")?;
-        let seen = Direction::<Ecliptic>::new(theirs[0][axis], theirs[1][axis], theirs[2][axis])
-            .ok_or("the matrix under test is no rotation")?;
-        largest = largest.max(ours.apply(unit).separation_rad(seen));
+    for (axis, unit) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].iter().enumerate() {
+        let [x, y, z] = *unit;
+        let ours = ours.apply(Direction::new(x, y, z).ok_or("no direction")?);
+        let [x, y, z] = theirs.map(|row| row[axis]);
+        let seen = Direction::new(x, y, z).ok_or("the matrix under test is no rotation")?;
+        largest = largest.max(ours.separation_rad(seen));
     }
     Ok(largest)
 }

@@ -58,8 +58,8 @@ fn attitudes(csv: &str) -> Vec<Attitude> {
 /// Ecliptic components to ICRF components, by hand: a turn about x by the obliquity.
 fn to_icrf([x, y, z, w]: [f64; 4]) -> [f64; 4] {
     let half = 0.5 * (84_381.448_f64 / 3600.0).to_radians();
-    let (s, c) = half.sin_cos();
-    [c * x + s * w, c * y - s * z, c * z + s * y, c * w - s * x]
+    let (sin, cos) = half.sin_cos();
+    [cos * x + sin * w, cos * y - sin * z, cos * z + sin * y, cos * w - sin * x]
 }
 
 fn kvn(rows: &[Attitude], kind: &str, extra: &str) -> String {
@@ -77,12 +77,12 @@ fn kvn(rows: &[Attitude], kind: &str, extra: &str) -> String {
         if extra.is_empty() { "" } else { "/ANGVEL" }
     );
     for (time, quaternion) in rows {
-        let mut q = to_icrf(*quaternion);
+        let mut turned = to_icrf(*quaternion);
         if scalar_first {
-            q.rotate_right(1);
+            turned.rotate_right(1);
         }
-        let [a, b, c, d] = q;
-        writeln!(text, "{time} {a} {b} {c} {d}{extra}").unwrap();
+        let fields = turned.map(|it| it.to_string()).join(" ");
+        writeln!(text, "{time} {fields}{extra}").unwrap();
     }
     text + "DATA_STOP\n"
 }
@@ -91,11 +91,11 @@ fn xml(rows: &[Attitude]) -> String {
     let mut states = String::new();
     for (time, quaternion) in rows {
         let [x, y, z, w] = to_icrf(*quaternion);
-        write!(
+        writeln!(
             states,
             "<attitudeState><quaternionEphemeris><EPOCH>{time}</EPOCH><quaternion><Q1>{x}</Q1>\
              <Q2>{y}</Q2><Q3>{z}</Q3><QC>{w}</QC></quaternion></quaternionEphemeris>\
-             </attitudeState>\n"
+             </attitudeState>"
         )
         .unwrap();
     }

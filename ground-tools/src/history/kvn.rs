@@ -1,4 +1,4 @@
-//! An AEM in keyword = value notation [CCSDS504, version 1 and 2].
+//! An AEM in keyword = value notation \[CCSDS504, version 1 and 2\].
 
 use super::meta::{Entry, Meta, VERSIONS};
 use super::{History, HistoryError, Row};

@@ -1,6 +1,6 @@
 //! What an AEM segment says about its quaternions.
 //!
-//! Version 2 [CCSDS504]: the quaternion takes components in `REF_FRAME_B` to components in
+//! Version 2 \[CCSDS504\]: the quaternion takes components in `REF_FRAME_B` to components in
 //! `REF_FRAME_A`, as B turned by +90 deg about A's z is (0, 0, 0.7071, 0.7071). Version 1 says the
 //! sense with `ATTITUDE_DIR` (`A2B` as version 2, `B2A` the conjugate) and the scalar's place with
 //! `QUATERNION_TYPE`. One of the frames must be inertial, the other the spacecraft's.

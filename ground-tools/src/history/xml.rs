@@ -1,4 +1,4 @@
-//! An AEM in XML [CCSDS505], alone or inside an `ndm`.
+//! An AEM in XML \[CCSDS505\], alone or inside an `ndm`.
 //!
 //! Method: a tree read by `roxmltree`, which refuses document types and so entities; elements are
 //! told by their local names.
