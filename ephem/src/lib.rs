@@ -10,6 +10,7 @@
 //! (up to 4 mas at 90 deg from it).
 
 mod convert;
+pub mod random;
 
 pub mod time;
 mod daf;

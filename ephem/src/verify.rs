@@ -10,7 +10,8 @@
 //! a few per cent.
 
 use crate::apparent::{Sky, SkyError};
-use crate::convert::{f64_from_u64, i64_from_f64};
+use crate::convert::i64_from_f64;
+use crate::random::SplitMix64;
 use crate::sight::Sight;
 use crate::source::Source;
 use nalgebra::Vector3;
@@ -143,35 +144,5 @@ impl Comparison<'_> {
         let later = at.plus(Duration::from_ns((granule_ns / 1000).max(1)));
         let granule = |at: Instant| at.since(span.start).ns() / granule_ns;
         (granule(at) == granule(later)).then_some(later)
-    }
-}
-
-/// The generator splitmix64 \[Steele2014\].
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number in [0, 1).
-    fn unit(&mut self) -> f64 {
-        f64_from_u64(self.next() >> 11) / f64_from_u64(1 << 53)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_generator_gives_its_published_numbers() {
-        let mut random = SplitMix64(1_234_567);
-        assert_eq!(random.next(), 6_457_827_717_110_365_317);
-        assert_eq!(random.next(), 3_203_168_211_198_807_973);
     }
 }

@@ -15,6 +15,7 @@ use clap_complete::Shell;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use onboard_core::time::Duration;
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 /// Plans how a spinning, precessing space telescope looks at the sky, and when it can calibrate on
@@ -41,6 +42,10 @@ pub enum Verb {
     Pointing(PointingArgs),
     /// Passes of targets through the line of sight or through detectors
     Transits(TransitsArgs),
+    /// Test vectors for flight code: attitudes, directions, plate angles, transits
+    Vectors(VectorsArgs),
+    /// An attitude history against the mission: residuals, fitted periods and phases, outliers
+    Verify(VerifyArgs),
     /// The onboard ephemeris tables
     #[command(subcommand)]
     Table(TableVerb),
@@ -111,6 +116,8 @@ pub enum Format {
     Csv,
     /// One JSON object per line
     Jsonl,
+    /// A C99 header, of `vectors` alone
+    C,
 }
 
 /// `missions`.
@@ -153,6 +160,82 @@ pub struct TransitsArgs {
     /// A detector, TELESCOPE/NAME where ambiguous, or all; without it the mission boresight
     #[arg(long, value_name = "NAME|all")]
     pub detector: Option<String>,
+}
+
+/// `vectors`.
+#[derive(Debug, Clone, Args)]
+pub struct VectorsArgs {
+    /// How many instants over the mission, both ends included; 1000 where nothing is said
+    #[arg(long, value_name = "N", conflicts_with_all = ["at", "step"])]
+    pub count: Option<NonZeroU32>,
+    /// Draw the instants at random instead, the same for the same seed
+    #[arg(long, value_name = "N", conflicts_with_all = ["at", "step"])]
+    pub seed: Option<u64>,
+    /// Seconds between instants on the scan clock, such as 0.05
+    #[arg(long, value_name = "SECONDS", value_parser = step, conflicts_with = "at")]
+    pub step: Option<Duration>,
+    /// Elapsed seconds on the scan clock, such as 0,59.5,1234.567
+    #[arg(long, value_name = "S1,S2,...", value_parser = elapsed, value_delimiter = ',')]
+    pub at: Vec<Duration>,
+    /// Transits of these targets only: mars,jupiter
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub target: Vec<String>,
+    /// This telescope's lines of sight
+    #[arg(long, value_name = "NAME")]
+    pub telescope: Option<String>,
+    /// A detector, TELESCOPE/NAME where ambiguous, or all; without it the mission boresight
+    #[arg(long, value_name = "NAME|all")]
+    pub detector: Option<String>,
+    /// Directions out of this uplink table, as the flight code reads it
+    #[arg(long, value_name = "FILE")]
+    pub table: Option<PathBuf>,
+}
+
+/// `verify`.
+#[derive(Debug, Clone, Args)]
+pub struct VerifyArgs {
+    /// The history: a CSV as pointing writes, or a CCSDS AEM in KVN or XML; - is standard input
+    #[arg(default_value = "-")]
+    pub file: PathBuf,
+    /// A CSV's reference frame; an AEM names its own
+    #[arg(long, value_name = "FRAME")]
+    pub frame: Option<ReferenceFrame>,
+    /// The quaternions take the reference frame's components to the body's, not back
+    #[arg(long)]
+    pub inverse: bool,
+    /// The quaternions are of this telescope's frame, not of the mission boresight's
+    #[arg(long, value_name = "NAME")]
+    pub telescope: Option<String>,
+    /// The quaternions are of this detector's frame; TELESCOPE/NAME where ambiguous
+    #[arg(long, value_name = "NAME")]
+    pub detector: Option<String>,
+    /// Largest residual that passes
+    #[arg(long, value_name = "ANGLE", default_value = "1arcsec")]
+    pub limit: String,
+    /// What --limit is held against: the mission, every row; or the fit, the rows it used
+    #[arg(long, value_name = "WHAT", default_value = "mission")]
+    pub against: Against,
+    /// Largest error of the periods that is looked for, in percent
+    #[arg(long, value_name = "PERCENT", default_value = "1", value_parser = percent)]
+    pub search: f64,
+}
+
+/// A reference frame of quaternions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ReferenceFrame {
+    /// Ecliptic of J2000, as pointing writes
+    Ecliptic,
+    /// ICRF, EME2000 or J2000
+    Icrf,
+}
+
+/// What residuals are held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Against {
+    /// The mission's periods, phases and alpha
+    Mission,
+    /// The fitted ones
+    Fit,
 }
 
 /// `table`.
@@ -250,6 +333,16 @@ fn elapsed(text: &str) -> Result<Duration, String> {
     }
     let ns = ns.numer().to_i64();
     ns.map(Duration::from_ns).ok_or_else(|| format!("{text} s: a number below 292 years is needed"))
+}
+
+/// A percentage above 0 and below 50, as a fraction.
+fn percent(text: &str) -> Result<f64, String> {
+    let value = Number::parse(text).map_err(|error| error.to_string())?.to_f64();
+    if value > 0.0 && value < 50.0 {
+        Ok(value / 100.0)
+    } else {
+        Err(format!("{text} %: a percentage above 0 and below 50 is needed"))
+    }
 }
 
 fn step(text: &str) -> Result<Duration, String> {

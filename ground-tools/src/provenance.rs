@@ -18,6 +18,9 @@ pub struct Provenance {
     pub kernel_sha256: String,
     /// The spacecraft's trajectory.
     pub trajectory: String,
+    /// SHA-256 of the uplink table that directions were taken from, where one was named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table_sha256: Option<String>,
     /// The day that the last leap second known ends.
     pub last_leap_second: String,
     /// Zero of the scan clock, TDB.
@@ -41,6 +44,7 @@ impl Provenance {
             kernel: world.sky.kernel.name().to_owned(),
             kernel_sha256: world.sky.kernel.sha256().to_owned(),
             trajectory: world.sky.trajectory.name().to_owned(),
+            table_sha256: None,
             last_leap_second: last_leap_second(),
             start_tdb: format_tdb(world.start),
             start_tai_ns: world.start.tai_ns(),
@@ -51,20 +55,26 @@ impl Provenance {
     /// As comment lines of a CSV.
     #[must_use]
     pub fn comment(&self) -> String {
-        let lines = [
-            ("mission", &self.mission),
-            ("mission_sha256", &self.mission_sha256),
-            ("kernel", &self.kernel),
-            ("kernel_sha256", &self.kernel_sha256),
-            ("trajectory", &self.trajectory),
-            ("last_leap_second", &self.last_leap_second),
-            ("start_tdb", &self.start_tdb),
-            ("program", &self.program),
-        ];
         let mut text = String::new();
-        for (key, value) in lines {
+        for (key, value) in self.lines() {
             let _ = writeln!(text, "# {key}: {value}");
         }
         text
+    }
+
+    /// Keys and values, in order.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let lines = [
+            ("mission", Some(&self.mission)),
+            ("mission_sha256", Some(&self.mission_sha256)),
+            ("kernel", Some(&self.kernel)),
+            ("kernel_sha256", Some(&self.kernel_sha256)),
+            ("trajectory", Some(&self.trajectory)),
+            ("table_sha256", self.table_sha256.as_ref()),
+            ("last_leap_second", Some(&self.last_leap_second)),
+            ("start_tdb", Some(&self.start_tdb)),
+            ("program", Some(&self.program)),
+        ];
+        lines.into_iter().filter_map(|(key, value)| Some((key, value?.as_str())))
     }
 }

@@ -104,10 +104,10 @@ pub(crate) fn toml_string(text: &str) -> String {
     quoted
 }
 
-/// SHA-256 of a text in lower-case hexadecimal digits.
-pub(crate) fn sha256_hex(text: &str) -> String {
+/// SHA-256 of a text or of bytes, in lower-case hexadecimal digits.
+pub(crate) fn sha256_hex(bytes: impl AsRef<[u8]>) -> String {
     let mut hex = String::with_capacity(64);
-    for byte in Sha256::digest(text.as_bytes()) {
+    for byte in Sha256::digest(bytes.as_ref()) {
         let _ = write!(hex, "{byte:02x}");
     }
     hex

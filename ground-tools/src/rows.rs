@@ -22,6 +22,9 @@ pub fn write<R: Serialize>(
     match layout.format {
         Format::Csv => csv_rows(out, rows, layout),
         Format::Jsonl => json_rows(out, rows, layout),
+        Format::C => Err(WriteError::Failed(Failure::Input(
+            "--format c is the form of vectors alone: csv or jsonl is needed".to_owned(),
+        ))),
     }
 }
 

@@ -4,6 +4,8 @@ mod missions;
 mod constraints;
 mod pointing;
 mod transits;
+mod vectors;
+mod verify;
 mod table;
 mod plan;
 
@@ -29,6 +31,8 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Constraints => constraints::run(shared),
         Verb::Pointing(arguments) => pointing::run(shared, arguments),
         Verb::Transits(arguments) => transits::run(shared, arguments),
+        Verb::Vectors(arguments) => vectors::run(shared, arguments),
+        Verb::Verify(arguments) => verify::run(shared, arguments),
         Verb::Table(verb) => table::run(shared, verb),
         Verb::Plan(arguments) => plan::run(shared, arguments),
         Verb::Completions { shell } => {

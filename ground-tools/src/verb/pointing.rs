@@ -72,7 +72,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
             lines.len()
         )));
     };
-    let times = times(&world, arguments)?;
+    let times = times(&world, arguments.step, &arguments.at)?;
     world.targets.clear();
     let tables = world.tables(&world.ground_options())?;
     let sun = world.sun(tables.parse()?)?;
@@ -89,12 +89,13 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
 }
 
 /// The elapsed times asked for, within the mission.
-fn times(
+pub(super) fn times(
     world: &World,
-    arguments: &PointingArgs,
+    step: Option<Duration>,
+    at: &[Duration],
 ) -> Result<impl Iterator<Item = Duration> + Clone + use<>, Failure> {
     let whole = world.mission.span.duration;
-    if let Some(beyond) = arguments.at.iter().find(|elapsed| **elapsed > whole) {
+    if let Some(beyond) = at.iter().find(|elapsed| **elapsed > whole) {
         return Err(Failure::Input(format!(
             "--at {} lies beyond the mission: a number of seconds from 0 to {} is needed (or a \
              longer --duration)",
@@ -102,8 +103,8 @@ fn times(
             whole.seconds()
         )));
     }
-    let at = arguments.at.clone();
-    let step = arguments.step.map_or(0, Duration::ns);
+    let at = at.to_vec();
+    let step = step.map_or(0, Duration::ns);
     let stepped = if step > 0 { whole.ns() / step + 1 } else { 0 };
     Ok(at.into_iter().chain((0..stepped).map(move |index| Duration::from_ns(index * step))))
 }

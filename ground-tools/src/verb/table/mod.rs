@@ -9,14 +9,15 @@ mod records;
 use super::{print_json, tell, world};
 use crate::cli::{SharedArgs, TableVerb};
 use crate::failure::Failure;
+use crate::mission::Mission;
 use crate::output::Sink;
 use crate::quantity;
 use crate::rounding;
-use crate::uplink::{Contents, contents_told};
+use crate::uplink::{Contents, contents_told, digest};
 use ephem::fit::{FitOptions, MILLIARCSECOND_RAD};
 use ephem::kernel::body_name;
 use ephem::source::{SUN_AS_TARGET, Source};
-use onboard_core::ephemeris::SUN;
+use onboard_core::ephemeris::{EphemerisTable, SUN};
 use onboard_core::uplink::{AvoidanceRecord, Tables};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -38,7 +39,7 @@ pub(super) fn run(shared: &SharedArgs, verb: &TableVerb) -> Result<(), Failure> 
 }
 
 /// An angle of the command line in radians.
-fn angle(option: &str, text: &str) -> Result<f64, Failure> {
+pub(super) fn angle(option: &str, text: &str) -> Result<f64, Failure> {
     let degrees =
         quantity::degrees(text).map_err(|error| Failure::Input(format!("{option}: {error}")))?;
     Ok(rounding::radians(&degrees))
@@ -118,7 +119,7 @@ fn build(
     tell(shared, &text)
 }
 
-fn read(file: &Path) -> Result<Vec<u8>, Failure> {
+pub(super) fn read(file: &Path) -> Result<Vec<u8>, Failure> {
     std::fs::read(file).map_err(|error| Failure::file("read", file, &error))
 }
 
@@ -126,6 +127,23 @@ fn read(file: &Path) -> Result<Vec<u8>, Failure> {
 fn load<'b>(file: &Path, bytes: &'b [u8]) -> Result<Tables<'b>, Failure> {
     Tables::load(bytes)
         .map_err(|error| Failure::Input(format!("{}: {}", file.display(), contents_told(error))))
+}
+
+/// The ephemeris of an uplink table that was built for this mission.
+pub(super) fn ephemeris<'b>(
+    file: &Path,
+    bytes: &'b [u8],
+    mission: &Mission,
+) -> Result<EphemerisTable<'b>, Failure> {
+    let tables = load(file, bytes)?;
+    if digest(mission) != tables.header().mission_digest {
+        return Err(Failure::Input(format!(
+            "{}: it was built for another mission (its digest differs): one of table build with \
+             the same --mission, --set, --start and --duration is needed",
+            file.display()
+        )));
+    }
+    Ok(tables.ephemeris())
 }
 
 /// Bytes as hexadecimal digits.

@@ -1,0 +1,192 @@
+//! `gyrfalcon vectors`: test vectors for flight code.
+
+use super::{pointing, print_json, sink, table, warn, world};
+use crate::cli::{Format, SharedArgs, VectorsArgs};
+use crate::failure::Failure;
+use crate::output::{Sink, WriteError, to_stdout, write_folder};
+use crate::provenance::Provenance;
+use crate::resolve::sha256_hex;
+use crate::rows::{self, Layout};
+use crate::sightline::select;
+use crate::vectors::{TRANSIT_COLUMNS, TransitVector, VECTOR_COLUMNS, Vector, VectorSet, c_header};
+use crate::world::World;
+use ephem::random::SplitMix64;
+use onboard_core::ephemeris::EphemerisTable;
+use onboard_core::time::Duration;
+use serde::Serialize;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Instants where none are asked for.
+const DEFAULT_COUNT: u32 = 1000;
+/// Most instants; more is a history, not test vectors.
+const MOST: usize = 1_000_000;
+
+pub(super) fn run(shared: &SharedArgs, arguments: &VectorsArgs) -> Result<(), Failure> {
+    let mut world = world(shared)?;
+    world.keep_targets(&arguments.target)?;
+    let lines =
+        select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
+    let times = instants(&world, arguments)?;
+    let mut provenance = Provenance::of(&world);
+    let (tables, bytes);
+    let ephemeris: EphemerisTable<'_> = match &arguments.table {
+        None => {
+            tables = world.tables(&world.ground_options())?;
+            tables.parse()?
+        }
+        Some(file) => {
+            bytes = table::read(file)?;
+            provenance.table_sha256 = Some(sha256_hex(&bytes));
+            table::ephemeris(file, &bytes, &world.mission)?
+        }
+    };
+    let set = VectorSet::new(&world, ephemeris, &lines, times.into_iter())?;
+    let files = deliver(shared, &set, &provenance)?;
+    if !shared.json {
+        return Ok(());
+    }
+    print_json(&json!({
+        "vectors": set.vectors.len(),
+        "transits": set.transits.len(),
+        "lines": lines.iter().map(crate::sightline::SightLine::key).collect::<Vec<_>>(),
+        "files": files,
+        "provenance": serde_json::to_value(&provenance).map_err(Failure::internal)?,
+    }))
+}
+
+/// The elapsed times asked for, rising where they are drawn or stepped.
+fn instants(world: &World, arguments: &VectorsArgs) -> Result<Vec<Duration>, Failure> {
+    let whole = world.mission.span.duration.ns();
+    let times: Vec<Duration> = if arguments.step.is_some() || !arguments.at.is_empty() {
+        let times = pointing::times(world, arguments.step, &arguments.at)?;
+        times.take(MOST + 1).collect()
+    } else {
+        let count = i64::from(arguments.count.map_or(DEFAULT_COUNT, std::num::NonZeroU32::get));
+        let mut drawn: Vec<i64> = match arguments.seed {
+            Some(seed) => {
+                let mut random = SplitMix64(seed);
+                (0..count).map(|_| random.up_to(whole)).collect()
+            }
+            None => (0..count).map(|index| spaced(whole, index, count)).collect(),
+        };
+        drawn.sort_unstable();
+        drawn.into_iter().map(Duration::from_ns).collect()
+    };
+    if times.len() > MOST {
+        return Err(Failure::Input(format!(
+            "that is more than {MOST} instants: fewer are needed (pointing writes histories)"
+        )));
+    }
+    Ok(times)
+}
+
+/// The instant `index` of `count` from 0 to `whole`, both included.
+fn spaced(whole: i64, index: i64, count: i64) -> i64 {
+    let exact = i128::from(whole) * i128::from(index) / i128::from((count - 1).max(1));
+    i64::try_from(exact).unwrap_or(whole)
+}
+
+/// The form asked for, or that of the file's name.
+fn format(shared: &SharedArgs) -> Format {
+    let extension = shared.out.as_deref().and_then(Path::extension);
+    shared.format.unwrap_or_else(|| match extension.and_then(|it| it.to_str()) {
+        Some("h") => Format::C,
+        Some("jsonl") => Format::Jsonl,
+        _ => Format::Csv,
+    })
+}
+
+/// A vector or a transit in JSON lines.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Object<'s> {
+    Vector(&'s Vector<'s>),
+    Transit(&'s TransitVector<'s>),
+}
+
+/// Writes all files or none; returns their paths.
+fn deliver(
+    shared: &SharedArgs,
+    set: &VectorSet<'_>,
+    provenance: &Provenance,
+) -> Result<Vec<PathBuf>, Failure> {
+    let sink = sink(shared);
+    if shared.json && sink == Sink::Stdout {
+        return Ok(Vec::new());
+    }
+    let format = format(shared);
+    let table = |header: &[&str], rows: &mut dyn Iterator<Item = Object<'_>>| {
+        let layout = Layout { format, provenance, header };
+        let mut bytes = Vec::new();
+        match rows::write(&mut bytes, rows.map(Ok), &layout) {
+            Ok(_) => Ok(bytes),
+            Err(WriteError::Failed(failure)) => Err(failure),
+            Err(WriteError::Io(error)) => Err(Failure::internal(error)),
+        }
+    };
+    let mut vectors = set.vectors.iter().map(Object::Vector);
+    let mut transits = set.transits.iter().map(Object::Transit);
+    let (first, second) = match format {
+        Format::C => (c_header::text(set, provenance).into_bytes(), None),
+        Format::Jsonl => (table(&[], &mut vectors.chain(transits))?, None),
+        Format::Csv => {
+            let second = table(&TRANSIT_COLUMNS, &mut transits)?;
+            (table(&VECTOR_COLUMNS, &mut vectors)?, Some(second))
+        }
+    };
+    let Sink::File(path) = sink else {
+        if second.is_some() && !set.transits.is_empty() {
+            let dropped = "the transits' table needs a file beside the vectors': give --out FILE";
+            warn(shared, &[dropped]);
+        }
+        to_stdout(&first)?;
+        return Ok(Vec::new());
+    };
+    let Some(second) = second else {
+        Sink::File(path.clone()).write(&first)?;
+        return Ok(vec![path]);
+    };
+    let beside = transits_beside(&path);
+    let (Some(name), Some(other)) = (path.file_name(), beside.file_name()) else {
+        return Sink::File(path.clone()).write(&first).map(|()| vec![path.clone()]);
+    };
+    let (name, other) = (name.to_string_lossy(), other.to_string_lossy());
+    let folder = path.parent().filter(|it| !it.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(Failure::Input(format!(
+            "cannot write {}: {} is not a folder",
+            path.display(),
+            folder.display()
+        )));
+    }
+    write_folder(folder, &[(&name, &first), (&other, &second)])?;
+    Ok(vec![path.clone(), beside])
+}
+
+/// `NAME.transits.csv` beside `NAME.csv`.
+fn transits_beside(path: &Path) -> PathBuf {
+    let stem = path.file_stem().map_or_else(String::new, |it| it.to_string_lossy().into_owned());
+    let extension = path.extension().map_or_else(|| "csv".into(), |it| it.to_string_lossy());
+    path.with_file_name(format!("{stem}.transits.{extension}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instants_reach_both_ends() {
+        let all: Vec<i64> = (0..4).map(|index| spaced(10, index, 4)).collect();
+        assert_eq!(all, [0, 3, 6, 10]);
+        assert_eq!(spaced(10, 0, 1), 0);
+        let century = 3_155_760_000_000_000_000;
+        assert_eq!(spaced(century, 999_999, 1_000_000), century);
+    }
+
+    #[test]
+    fn the_transits_file_stands_beside() {
+        assert_eq!(transits_beside(Path::new("a/v.csv")), Path::new("a/v.transits.csv"));
+        assert_eq!(transits_beside(Path::new("v")), Path::new("v.transits.csv"));
+    }
+}
