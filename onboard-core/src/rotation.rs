@@ -130,11 +130,9 @@ impl<A, B> Rotation<A, B> {
     pub fn to_direction_with_x_north(direction: Direction<B>) -> Self {
         let [x, y, z] = direction.xyz();
         let rho = libm::sqrt(x * x + y * y);
-        let (sin_half_lon, cos_half_lon, norm2_lon) =
-            if rho > 0.0 { half_angle(y, x, rho) } else { (0.0, 1.0, 1.0) };
-        let (sin_half_col, cos_half_col, norm2_col) = half_angle(rho, z, 1.0);
-        let scale = 1.0 / libm::sqrt(norm2_lon * norm2_col);
-        let (sin_half_lon, cos_half_lon) = (sin_half_lon * scale, cos_half_lon * scale);
+        let (cos_lon, sin_lon) = if rho > 0.0 { (x / rho, y / rho) } else { (1.0, 0.0) };
+        let (sin_half_lon, cos_half_lon) = half_angle(sin_lon, cos_lon);
+        let (sin_half_col, cos_half_col) = half_angle(rho, z);
         // R_z(longitude) R_y(colatitude) R_z(pi), multiplied out.
         Self::from_parts(
             cos_half_lon * sin_half_col,
@@ -190,17 +188,14 @@ impl Rotation<Icrf, Ecliptic> {
     }
 }
 
-/// Half the angle whose sine and cosine are given times `length`: its sine and cosine times a common
-/// factor, and that factor squared; without cancellation.
-///
-/// From `tan(x/2) = sin x / (1 + cos x) = (1 - cos x) / sin x`.
-fn half_angle(sin: f64, cos: f64, length: f64) -> (f64, f64, f64) {
+/// Sine and cosine of half the angle whose sine and cosine are given, without cancellation.
+fn half_angle(sin: f64, cos: f64) -> (f64, f64) {
     if cos >= 0.0 {
-        let sum = length + cos;
-        (sin, sum, 2.0 * length * sum)
+        let cos_half = libm::sqrt(0.5 * (1.0 + cos));
+        (0.5 * sin / cos_half, cos_half)
     } else {
-        let difference = length - cos;
-        (libm::copysign(difference, sin), libm::fabs(sin), 2.0 * length * difference)
+        let sin_half = libm::copysign(libm::sqrt(0.5 * (1.0 - cos)), sin);
+        (sin_half, 0.5 * sin / sin_half)
     }
 }
 
