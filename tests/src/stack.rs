@@ -197,12 +197,11 @@ impl Binary {
         Ok(self
             .symbols
             .iter()
-            .filter_map(|(name, at)| Some((name.clone(), self.depth_of(*at, &functions, &known)?)))
+            .filter_map(|(name, at)| Some((name.clone(), Self::depth_of(*at, &functions, &known)?)))
             .collect())
     }
 
     fn depth_of(
-        &self,
         start: u64,
         functions: &BTreeMap<u64, Function>,
         known: &BTreeMap<u64, (u64, Option<u64>)>,
