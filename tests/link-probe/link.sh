@@ -39,8 +39,7 @@ link() {
     case $build in
     x86-64-*)
         target=x86_64-unknown-linux-gnu
-        # Jump tables would look like indirect calls.
-        flags=(-Cjump-tables=no -Crelocation-model=static -Clink-arg=-static -Clink-arg=-nostartfiles -Clink-arg=-nodefaultlibs)
+        flags=(-Crelocation-model=static -Clink-arg=-static -Clink-arg=-nostartfiles -Clink-arg=-nodefaultlibs)
         ;;
     m7-*) cpu=(-Ctarget-cpu=cortex-m7) ;;
     m4f-*) cpu=(-Ctarget-cpu=cortex-m4) ;;
@@ -55,9 +54,11 @@ link() {
     fi
     local level=${build##*-} folder=$(realpath -m "${CARGO_TARGET_DIR:-$probe/target}")
     [ "$level" = 3 ] || level="\"$level\""
+    # Without jump tables on x86-64, where they look like indirect calls.
     (
         cd "$probe"
         RUSTC="$rustc" RUSTC_WORKSPACE_WRAPPER="$probe/stack-sizes.sh" CARGO_TARGET_DIR="$folder" \
+            CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS=-Cjump-tables=no \
             CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="${cpu[*]}" \
             cargo rustc -q --locked --release --target "$target" --bin link-probe \
             --config "profile.release.opt-level=$level" \

@@ -197,12 +197,11 @@ impl Binary {
         Ok(self
             .symbols
             .iter()
-            .filter_map(|(name, at)| Some((name.clone(), self.depth_of(*at, &functions, &known)?)))
+            .filter_map(|(name, at)| Some((name.clone(), Self::depth_of(*at, &functions, &known)?)))
             .collect())
     }
 
     fn depth_of(
-        &self,
         start: u64,
         functions: &BTreeMap<u64, Function>,
         known: &BTreeMap<u64, (u64, Option<u64>)>,
@@ -264,21 +263,13 @@ impl Binary {
             let mut moved = 0;
             let mut unknown = None;
             let own: Vec<_> = block.instructions.iter().filter(|(at, _)| *at < end).collect();
-            let entered: BTreeSet<u64> = own
-                .iter()
-                .filter_map(|(_, line)| match self.flow(&Instruction::parse(line)) {
-                    Flow::Jump(to) => Some(to),
-                    _ => None,
-                })
-                .collect();
-            // x86-64: the register that holds an address of the linker's table, until it is written
-            // or a jump may enter.
-            let mut held: Option<(&str, u64)> = None;
-            for (at, line) in own {
+            let held = if self.machine == Machine::X86 {
+                x86::held(&own, &self.addresses)
+            } else {
+                Vec::new()
+            };
+            for (index, (_, line)) in own.iter().enumerate() {
                 let instruction = Instruction::parse(line);
-                if entered.contains(at) {
-                    held = None;
-                }
                 match self.flow(&instruction) {
                     Flow::On => {}
                     Flow::Call(to) => {
@@ -292,27 +283,13 @@ impl Binary {
                         return Err(StackError::JumpIntoFunction(name, instruction.to_string()));
                     }
                     Flow::Indirect => {
-                        let through = x86::place(line).and_then(|place| self.addresses.get(&place));
-                        match (through, held) {
-                            (Some(to), _) => calls.insert(*to),
-                            (None, Some((register, to))) if x86::calls(&instruction, register) => {
-                                calls.insert(to)
-                            }
-                            _ => {
-                                return Err(StackError::IndirectCall(
-                                    name,
-                                    instruction.to_string(),
-                                ));
-                            }
+                        let place = x86::place(line).and_then(|at| self.addresses.get(&at));
+                        let held = held.get(index).and_then(|held| held.called(&instruction));
+                        let Some(to) = place.copied().or(held) else {
+                            return Err(StackError::IndirectCall(name, instruction.to_string()));
                         };
+                        calls.insert(to);
                     }
-                }
-                if self.machine == Machine::X86 {
-                    let loaded = x86::loaded(line).and_then(|(register, place)| {
-                        Some((register, *self.addresses.get(&place)?))
-                    });
-                    held =
-                        loaded.or(held.filter(|(register, _)| x86::keeps(&instruction, register)));
                 }
                 match self.stack_moved(&instruction) {
                     Some(bytes) => moved += bytes,
@@ -488,7 +465,9 @@ mod tests {
             binary(Machine::X86, &[(0x10, 100)]).depths(&text)
         };
         assert_eq!(depths("call   30 <c>").unwrap()["a"].bytes, 100 + 8 + 8);
-        for lost in ["xor    %r12d,%r12d", "pop    %r12", "cmovo  %rcx,%r12", "jmp    18 <a+0x8>"] {
+        // A jump from behind the load keeps it; one from before the load does not.
+        assert!(depths("je     18 <a+0x8>").is_ok());
+        for lost in ["xor    %r12d,%r12d", "pop    %r12", "cmovo  %rcx,%r12"] {
             assert!(matches!(depths(lost), Err(StackError::IndirectCall(..))), "{lost}");
         }
     }

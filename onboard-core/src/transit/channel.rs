@@ -2,7 +2,7 @@
 
 use super::Transit;
 use super::reach::Reach;
-use super::sight::{Motion, Sight};
+use super::sight::{Motion, Seen, Sight};
 use crate::ephemeris::{BodyTable, EphemerisError};
 use crate::field_of_view::FieldOfView;
 use crate::scan::ScanStrategy;
@@ -135,23 +135,22 @@ impl<'a> Channel<'a> {
 
     /// Searches on by one certified span: at most [`MAX_EVALUATIONS_PER_STEP`] evaluations.
     ///
-    /// In three parts, so that no frame of one lies below the evaluations of another.
+    /// In three parts, so that no frame of one lies below the evaluations of another; `seen` is
+    /// their working memory, lent for the same reason.
     #[inline(never)]
-    pub(super) fn advance(&mut self) -> Result<(), EphemerisError> {
-        let seen = self.survey()?;
-        let summit = match self.rising(&seen) {
-            Some(before) => Some(self.summit(before, seen.now)?),
-            None => None,
-        };
-        self.conclude(&seen, summit);
+    pub(super) fn advance(&mut self, seen: &mut Seen) -> Result<(), EphemerisError> {
+        let at = self.state.at;
+        self.see(at, seen)?;
+        let survey = self.survey(at, seen);
+        let summit = self.summit(&survey, seen)?;
+        self.conclude(&survey, summit);
         Ok(())
     }
 
-    /// Evaluates at the next instant, and all that follows from it for this stage.
+    /// What follows, in this stage, from what is seen.
     #[inline(never)]
-    fn survey(&mut self) -> Result<Survey, EphemerisError> {
-        let at = self.state.at;
-        let sight = self.sight(at)?;
+    fn survey(&self, at: Instant, seen: &Seen) -> Survey {
+        let sight = Sight::new(&self.motion, seen);
         let (closeness, rate) = self.reach.closeness(&sight);
         let now = Approach { at, closeness, rate };
         let inside = self.reach.inside(&sight);
@@ -167,7 +166,7 @@ impl<'a> Channel<'a> {
             (true, false) => 0.0,
         };
         let curvature = self.reach.closeness_curvature(&self.motion, &sight);
-        Ok(Survey { now, inside, since_s, stays_s, curvature })
+        Survey { now, inside, since_s, stays_s, curvature }
     }
 
     /// The visit that the survey finds in progress, before any summit is known.
@@ -239,14 +238,17 @@ impl<'a> Channel<'a> {
     }
 
     /// The one place where the search evaluates, so that the count is whole.
-    fn sight(&mut self, at: Instant) -> Result<Sight, EphemerisError> {
+    fn see(&mut self, at: Instant, seen: &mut Seen) -> Result<(), EphemerisError> {
         self.evaluations = self.evaluations.wrapping_add(1);
-        self.sight_at(at)
+        seen.look(at, &self.motion, &self.sun, self.target)
     }
 
     /// The target at any instant; not counted.
+    #[inline(never)]
     pub(super) fn sight_at(&self, at: Instant) -> Result<Sight, EphemerisError> {
-        Sight::new(&self.motion, &self.sun, self.target, at)
+        let mut seen = Seen::NOTHING;
+        seen.look(at, &self.motion, &self.sun, self.target)?;
+        Ok(Sight::new(&self.motion, &seen))
     }
 
     pub(super) const fn motion(&self) -> &Motion {
@@ -259,10 +261,9 @@ impl<'a> Channel<'a> {
 
     /// How close the target is at `at`.
     #[inline(never)]
-    fn approach(&mut self, at: Instant) -> Result<Approach, EphemerisError> {
-        let sight = self.sight(at)?;
-        let (closeness, rate) = self.reach.closeness(&sight);
-        Ok(Approach { at, closeness, rate })
+    fn approach(&self, at: Instant, seen: &Seen) -> Approach {
+        let (closeness, rate) = self.reach.closeness(&Sight::new(&self.motion, seen));
+        Approach { at, closeness, rate }
     }
 
     fn move_on(&mut self, now: Approach, seconds: f64) {
@@ -285,9 +286,16 @@ impl<'a> Channel<'a> {
         });
     }
 
-    /// The maximum of closeness between two evaluations, by false position on its rate (Illinois).
+    /// The maximum of closeness since the previous evaluation, where that may be a new best: by false
+    /// position on its rate (Illinois).
     #[inline(never)]
-    fn summit(&mut self, before: Approach, after: Approach) -> Result<Approach, EphemerisError> {
+    fn summit(
+        &mut self,
+        survey: &Survey,
+        seen: &mut Seen,
+    ) -> Result<Option<Approach>, EphemerisError> {
+        let after = survey.now;
+        let Some(before) = self.rising(survey) else { return Ok(None) };
         let (mut low, mut high) = (before, after);
         let mut best = if before.closeness > after.closeness { before } else { after };
         let mut kept_low = 0_i8;
@@ -299,7 +307,8 @@ impl<'a> Channel<'a> {
             let share = low.rate / (low.rate - high.rate);
             let offset = Duration::from_seconds(high.at.since(low.at).seconds() * share).ns();
             let at = low.at.plus(Duration::from_ns(within(offset, width)));
-            let here = self.approach(at)?;
+            self.see(at, seen)?;
+            let here = self.approach(at, seen);
             let moved = at.since(best.at).ns().saturating_abs();
             if here.closeness >= best.closeness {
                 best = here;
@@ -321,7 +330,7 @@ impl<'a> Channel<'a> {
                 break;
             }
         }
-        Ok(best)
+        Ok(Some(best))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Many channels, one stream of transits in order.
 
+use super::sight::Seen;
 use super::{Channel, Transit};
 use crate::ephemeris::EphemerisError;
 use crate::time::Instant;
@@ -26,13 +27,15 @@ pub enum Step {
 #[derive(Debug)]
 pub struct TransitFinder<'c, 'a> {
     channels: &'c mut [Channel<'a>],
+    /// Working memory of a step, here to spare the stack; nothing in it outlives the step.
+    seen: Seen,
 }
 
 impl<'c, 'a> TransitFinder<'c, 'a> {
     /// A search over these channels; their order breaks ties.
     #[must_use]
     pub fn new(channels: &'c mut [Channel<'a>]) -> Self {
-        Self { channels }
+        Self { channels, seen: Seen::NOTHING }
     }
 
     /// The channels, for saving their states.
@@ -64,7 +67,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
         if let Some(transit) = channel.take() {
             return Step::Transit(Transit { channel: index, ..transit });
         }
-        match channel.advance() {
+        match channel.advance(&mut self.seen) {
             Ok(()) => Step::Searched(frontier),
             Err(error) => Step::Failed { channel: index, error },
         }

@@ -1,8 +1,8 @@
 //! The target as the spinning spacecraft sees it: one evaluation of the search.
 
-use crate::direction::DirectionState;
+use crate::direction::{Direction, DirectionState};
 use crate::ephemeris::{BodyTable, EphemerisError};
-use crate::frame::AntiSun;
+use crate::frame::{AntiSun, Ecliptic};
 use crate::scan::ScanStrategy;
 use crate::sun::{AntiSunAxes, SunModel};
 use crate::time::Instant;
@@ -34,6 +34,67 @@ impl Motion {
     }
 }
 
+/// Sun, target and phases at one instant.
+///
+/// Evaluated apart from [`Sight`], so that the sines, which need the most stack, are taken while
+/// little else lies on it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen {
+    /// Sun to spacecraft.
+    anti_sun: DirectionState<Ecliptic>,
+    /// In the anti-Sun frame.
+    target: DirectionState<AntiSun>,
+    /// Sine and cosine of the precession phase, then of the spin phase.
+    sines: [(f64, f64); 2],
+}
+
+impl Seen {
+    /// Before the first evaluation.
+    pub(super) const NOTHING: Self = Self {
+        anti_sun: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
+        target: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
+        sines: [(0.0, 1.0); 2],
+    };
+
+    /// Evaluates at `at`, in place.
+    #[inline]
+    pub(super) fn look(
+        &mut self,
+        at: Instant,
+        motion: &Motion,
+        sun: &SunModel<'_>,
+        target: BodyTable<'_>,
+    ) -> Result<(), EphemerisError> {
+        self.face_away(at, motion, sun)?;
+        self.view(at, target)?;
+        self.turn(at, &motion.scan);
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn face_away(
+        &mut self,
+        at: Instant,
+        motion: &Motion,
+        sun: &SunModel<'_>,
+    ) -> Result<(), EphemerisError> {
+        self.anti_sun = sun.state(motion.scan.parameters().start, at)?;
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn view(&mut self, at: Instant, target: BodyTable<'_>) -> Result<(), EphemerisError> {
+        self.target = AntiSunAxes::new(&self.anti_sun).view(&target.state(at)?);
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn turn(&mut self, at: Instant, scan: &ScanStrategy) {
+        let (precession, spin) = scan.phases(at);
+        self.sines = [precession.sin_cos(), spin.sin_cos()];
+    }
+}
+
 /// The target's direction at one instant, in the frames of the search.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sight {
@@ -50,24 +111,10 @@ pub(super) struct Sight {
 }
 
 impl Sight {
-    /// Evaluates Sun, target and phases at `at`.
-    pub(super) fn new(
-        motion: &Motion,
-        sun: &SunModel<'_>,
-        target: BodyTable<'_>,
-        at: Instant,
-    ) -> Result<Self, EphemerisError> {
-        let seen = in_anti_sun(motion.scan.parameters().start, sun, target, at)?;
-        Ok(Self::turned(motion, &seen, &sines(&motion.scan, at)))
-    }
-
-    /// The target in the anti-Sun frame, taken to the spinning spacecraft.
+    /// The target as seen, taken to the spinning spacecraft.
     #[inline(never)]
-    fn turned(
-        motion: &Motion,
-        seen: &DirectionState<AntiSun>,
-        &[(sin_a, cos_a), (sin_b, cos_b)]: &[(f64, f64); 2],
-    ) -> Self {
+    pub(super) fn new(motion: &Motion, seen: &Seen) -> Self {
+        let Seen { target: seen, sines: [(sin_a, cos_a), (sin_b, cos_b)], .. } = *seen;
         let p = seen.direction.vector();
         let [vx, vy, vz] = seen.rate_per_s;
 
@@ -101,30 +148,6 @@ impl Sight {
             rate,
         }
     }
-}
-
-/// The target's direction and rate in the anti-Sun frame.
-#[inline(never)]
-fn in_anti_sun(
-    start: Instant,
-    sun: &SunModel<'_>,
-    target: BodyTable<'_>,
-    at: Instant,
-) -> Result<DirectionState<AntiSun>, EphemerisError> {
-    let axes = axes(start, sun, at)?;
-    Ok(axes.view(&target.state(at)?))
-}
-
-#[inline(never)]
-fn axes(start: Instant, sun: &SunModel<'_>, at: Instant) -> Result<AntiSunAxes, EphemerisError> {
-    Ok(AntiSunAxes::new(&sun.state(start, at)?))
-}
-
-/// Sine and cosine of the precession phase, then of the spin phase.
-#[inline(never)]
-fn sines(scan: &ScanStrategy, at: Instant) -> [(f64, f64); 2] {
-    let (precession, spin) = scan.phases(at);
-    [precession.sin_cos(), spin.sin_cos()]
 }
 
 fn back_about_z(v: Vector3<f64>, sin: f64, cos: f64) -> Vector3<f64> {

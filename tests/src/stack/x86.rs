@@ -1,6 +1,7 @@
 //! x86-64 instructions (AT&T order): where they lead, and how far they move the stack pointer.
 
 use super::{Flow, Instruction};
+use std::collections::BTreeMap;
 
 pub(super) fn flow(instruction: &Instruction<'_>) -> Flow {
     match instruction.mnemonic {
@@ -45,7 +46,7 @@ pub(super) fn place(line: &str) -> Option<u64> {
 }
 
 /// The register that a `mov` loads from a place; only one that calls preserve.
-pub(super) fn loaded(line: &str) -> Option<(&str, u64)> {
+fn loaded(line: &str) -> Option<(&str, u64)> {
     const KEPT: [&str; 6] = ["%rbx", "%rbp", "%r12", "%r13", "%r14", "%r15"];
     let (source, register) = line.strip_prefix("mov ")?.split('#').next()?.split_once(",%")?;
     let register = register.trim();
@@ -53,24 +54,93 @@ pub(super) fn loaded(line: &str) -> Option<(&str, u64)> {
     source.trim_end().ends_with("(%rip)").then_some((*register, place(line)?))
 }
 
+/// What is known before an instruction of one register that holds an address of the linker's table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Held<'a> {
+    /// No path leads here, as far as is known.
+    Unreached,
+    /// On every path here the register holds the address.
+    Address(&'a str, u64),
+    /// Nothing.
+    Nothing,
+}
+
+impl Held<'_> {
+    /// The address, when the instruction calls what the register holds.
+    pub(super) fn called(self, instruction: &Instruction<'_>) -> Option<u64> {
+        match self {
+            Self::Address(register, to) if calls(instruction, register) => Some(to),
+            _ => None,
+        }
+    }
+
+    fn meet(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Unreached, known) | (known, Self::Unreached) => known,
+            (a, b) if a == b => a,
+            _ => Self::Nothing,
+        }
+    }
+}
+
+/// What is held before each instruction of a function: the fixed point over its jumps.
+pub(super) fn held<'a>(
+    function: &[&(u64, &'a str)],
+    addresses: &BTreeMap<u64, u64>,
+) -> Vec<Held<'a>> {
+    let index: BTreeMap<u64, usize> =
+        function.iter().enumerate().map(|(index, (at, _))| (*at, index)).collect();
+    let mut before = vec![Held::Unreached; function.len()];
+    if let Some(first) = before.first_mut() {
+        *first = Held::Nothing;
+    }
+    loop {
+        let known = before.clone();
+        for (at, (_, line)) in function.iter().enumerate() {
+            let instruction = Instruction::parse(line);
+            let address = |place| addresses.get(&place).copied();
+            let after = match (known[at], loaded(line)) {
+                (Held::Unreached, _) => Held::Unreached,
+                (_, Some((register, place))) if address(place).is_some() => {
+                    address(place).map_or(Held::Nothing, |to| Held::Address(register, to))
+                }
+                (Held::Address(register, to), _) if keeps(&instruction, register) => {
+                    Held::Address(register, to)
+                }
+                _ => Held::Nothing,
+            };
+            let mut reach = |to: usize| {
+                if let Some(there) = before.get_mut(to) {
+                    *there = there.meet(after);
+                }
+            };
+            if let Flow::Jump(to) = flow(&instruction)
+                && let Some(to) = index.get(&to)
+            {
+                reach(*to);
+            }
+            if !["jmp", "ret", "ud2"].contains(&instruction.mnemonic) {
+                reach(at + 1);
+            }
+        }
+        if before == known {
+            return before;
+        }
+    }
+}
+
 /// Whether the instruction calls or jumps to what `register` holds.
-pub(super) fn calls(instruction: &Instruction<'_>, register: &str) -> bool {
+fn calls(instruction: &Instruction<'_>, register: &str) -> bool {
     instruction.operands.strip_prefix('*') == Some(register)
 }
 
 /// Whether a register that holds an address surely still does: any other mention of it, whole or in
 /// part, counts as a write.
-pub(super) fn keeps(instruction: &Instruction<'_>, register: &str) -> bool {
-    if calls(instruction, register) {
-        return true;
-    }
-    let family = match register {
-        "%rbx" => "bx",
-        "%rbp" => "bp",
-        numbered => numbered.trim_start_matches('%'),
-    };
+fn keeps(instruction: &Instruction<'_>, register: &str) -> bool {
+    let family = register.trim_start_matches("%r");
     let low = if family == "bx" { "%bl" } else { family };
-    !instruction.operands.contains(family) && !instruction.operands.contains(low)
+    calls(instruction, register)
+        || !instruction.operands.contains(family) && !instruction.operands.contains(low)
 }
 
 #[cfg(test)]
