@@ -31,13 +31,15 @@ impl<F> Direction<F> {
     /// The direction along z.
     pub const Z: Self = Self { vector: Vector3::new(0.0, 0.0, 1.0), frame: PhantomData };
 
-    /// The direction of (x, y, z), normalised; `None` when its length is zero or not finite.
+    /// The direction of (x, y, z), normalised; `None` when the squared length is zero, so small that
+    /// it has lost digits (below 1e-307), or not finite.
     #[must_use]
     pub fn new(x: f64, y: f64, z: f64) -> Option<Self> {
-        let length = libm::sqrt(x * x + y * y + z * z);
-        if !(length.is_finite() && length > 0.0) {
+        let squared = x * x + y * y + z * z;
+        if !squared.is_normal() {
             return None;
         }
+        let length = libm::sqrt(squared);
         Some(Self::from_unit(Vector3::new(x / length, y / length, z / length)))
     }
 
@@ -163,6 +165,7 @@ mod tests {
         assert!(Direction::<Ecliptic>::new(0.0, 0.0, 0.0).is_none());
         assert!(Direction::<Ecliptic>::new(f64::NAN, 0.0, 1.0).is_none());
         assert!(Direction::<Ecliptic>::new(f64::INFINITY, 0.0, 1.0).is_none());
+        assert!(Direction::<Ecliptic>::new(1e-161, 3e-161, 0.0).is_none());
         let pole = Direction::<Ecliptic>::new(0.0, 0.0, -2.0).unwrap();
         assert!((pole.latitude_rad() + FRAC_PI_2).abs() < 1e-15);
     }

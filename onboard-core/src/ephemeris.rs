@@ -237,7 +237,8 @@ impl BodyTable<'_> {
     /// The body's direction at `at`, and how it moves.
     ///
     /// # Errors
-    /// [`EphemerisError::OutOfSpan`] outside the body's spans, or in a gap between two.
+    /// [`EphemerisError::OutOfSpan`] outside the body's spans, in a gap between two, or where the
+    /// series has no direction.
     pub fn state(self, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> {
         self.evaluate(at).ok_or(EphemerisError::OutOfSpan(at))
     }
@@ -289,6 +290,10 @@ impl BodyTable<'_> {
         let per_second = slope * (2.0e9 / series.length);
         let along = unit.x * per_second.x + unit.y * per_second.y + unit.z * per_second.z;
         let rate = per_second - unit * along;
+        // A series of huge coefficients has a direction, but its motion overflows.
+        if !(rate.x + rate.y + rate.z).is_finite() {
+            return None;
+        }
         Some(DirectionState { direction, rate_per_s: [rate.x, rate.y, rate.z] })
     }
 
@@ -449,6 +454,19 @@ mod tests {
             let at = Instant::from_tai_ns(ns);
             let (alone, state) = (body.direction(at).unwrap(), body.state(at).unwrap());
             prop_assert_eq!(alone.xyz().map(f64::to_bits), state.direction.xyz().map(f64::to_bits));
+        }
+    }
+
+    #[test]
+    fn a_series_without_a_direction_or_a_rate_has_no_answer() {
+        let at = Instant::from_tai_ns(0);
+        // The first granule is (c0 + c1 x, 0, 1): its constant's z, and its slope's x.
+        for (offset, number) in [(64 + 16, 0.0), (64 + 24, 1e308)] {
+            let mut bytes = table();
+            bytes[offset..offset + 8].copy_from_slice(&f64::to_le_bytes(number));
+            bytes[64 + 24..64 + 32].copy_from_slice(&f64::to_le_bytes(number));
+            let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
+            assert_eq!(body.state(at).unwrap_err(), EphemerisError::OutOfSpan(at));
         }
     }
 

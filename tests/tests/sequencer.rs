@@ -2,113 +2,19 @@
 //! rules whatever the clock does.
 
 use onboard_core::clock::{ClockCorrelation, ClockError};
-use onboard_core::ephemeris::EphemerisTable;
-use onboard_core::field_of_view::{FieldOfView, FieldShape};
-use onboard_core::frame::{Boresight, Telescope};
 use onboard_core::phase::{Phase, Rotor};
-use onboard_core::rotation::Rotation;
 use onboard_core::scan::{ScanParameters, ScanStrategy};
 use onboard_core::sequencer::{
-    AbortReason, Event, EventQueue, MAX_EVALUATIONS_PER_TICK, SafeReason, Sequencer, Settings,
-    Situation, SkipReason, State,
+    AbortReason, Event, EventQueue, MAX_EVALUATIONS_PER_TICK, SafeReason, Sequencer, Situation,
+    SkipReason, State,
 };
-use onboard_core::sun::SunModel;
 use onboard_core::time::{Duration, Instant};
-use onboard_core::transit::Channel;
-use onboard_core::uplink::{Header, SectionKind, SessionRecord, Tables, TelescopeRecord};
-use std::collections::BTreeMap;
+use onboard_core::uplink::{Header, SectionKind, SessionRecord, Tables};
+use tests::campaign::{
+    CLOCK, DAY, SECOND, SETTINGS, ephemeris, sessions, sun, telescope, ticks_at, uplink,
+};
 use tests::uplink::{container, mission, plan};
-use tests::{Noise, Plain, table, transits, turn_rate};
-
-const SECOND: i64 = 1_000_000_000;
-const DAY: i64 = 86_400 * SECOND;
-const BODY: i32 = 5;
-const RADIUS_RAD: f64 = 0.1;
-
-fn sun() -> Rotor {
-    Rotor { rate: turn_rate(31_557_600_000_000_000, 1), start: Phase::from_radians(0.3) }
-}
-
-fn telescope() -> TelescopeRecord {
-    let rotation = Rotation::<Telescope, Boresight>::IDENTITY;
-    TelescopeRecord { rotation, hwp: None, field: FieldShape::Circle(RADIUS_RAD) }
-}
-
-/// A target that moves a little, for 40 days.
-fn ephemeris() -> Vec<u8> {
-    table(BODY, -DAY, 41 * 86_400_000_000_000, &[vec![[0.2, 0.9, 0.05], [0.004, 0.0, 0.002]]])
-}
-
-/// One session per precession turn with passes, over 20 days, 600 s of setup and 300 s of cooldown.
-fn sessions() -> Vec<SessionRecord> {
-    let bytes = ephemeris();
-    let target = EphemerisTable::parse(&bytes).unwrap().body(BODY).unwrap();
-    let scan = Plain::LITEBIRD.strategy();
-    let field = FieldOfView::new(telescope().rotation, telescope().field).unwrap();
-    let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(20 * DAY));
-    let found =
-        transits(&mut [Channel::new(&scan, SunModel::Circular(sun()), target, &field, span)]);
-    let mut turns: BTreeMap<u64, Vec<_>> = BTreeMap::new();
-    for transit in found.iter().filter(|it| !it.entry_clipped && !it.exit_clipped) {
-        turns.entry(scan.turns(transit.closest).0).or_default().push(*transit);
-    }
-    let session = |(turn, passes): (&u64, &Vec<onboard_core::transit::Transit>)| {
-        let first_entry = passes.iter().map(|it| it.entry).min().unwrap();
-        let last_exit = passes.iter().map(|it| it.exit).max().unwrap();
-        SessionRecord {
-            start: first_entry.plus(Duration::from_ns(-600 * SECOND)),
-            end: last_exit.plus(Duration::from_ns(300 * SECOND)),
-            first_entry,
-            last_exit,
-            body: BODY,
-            turn: u32::try_from(*turn).unwrap(),
-            telescope: 0,
-            passes: u16::try_from(passes.len()).unwrap(),
-        }
-    };
-    turns.iter().map(session).filter(|it| it.start >= Instant::from_tai_ns(0)).collect()
-}
-
-fn uplink(sequence: u32, sessions: &[SessionRecord]) -> Vec<u8> {
-    let header = Header {
-        sequence,
-        valid_from: Instant::from_tai_ns(0),
-        valid_until: Instant::from_tai_ns(21 * DAY),
-        mission_digest: [0; 16],
-    };
-    container(
-        &header,
-        &[
-            (SectionKind::Ephemeris, &ephemeris()),
-            (SectionKind::Mission, &mission(&Plain::LITEBIRD, sun(), &[telescope()])),
-            (SectionKind::Plan, &plan(sessions)),
-        ],
-    )
-}
-
-/// A tick of one microsecond, counted from 1000 at the mission's start.
-const CLOCK: ClockCorrelation = ClockCorrelation {
-    sequence: 1,
-    uncertainty_ns: 0,
-    ticks: 1000,
-    at: Instant::from_tai_ns(0),
-    tick_bits: ClockCorrelation::tick_of(1000, 0),
-    valid_from: Instant::from_tai_ns(0),
-    valid_until: Instant::from_tai_ns(30 * DAY),
-};
-
-const SETTINGS: Settings = Settings {
-    telescope: 0,
-    tolerance: Duration::from_ns(SECOND),
-    passes_tolerance: 0,
-    longest_gap: Duration::from_ns(20 * SECOND),
-    check_ahead: Duration::from_ns(3600 * SECOND),
-    steps_per_tick: 8,
-};
-
-fn ticks_at(ns: i64) -> u64 {
-    (ns / 1000 + 1000).cast_unsigned()
-}
+use tests::{Noise, Plain};
 
 struct Flight<'a> {
     sequencer: Sequencer,
@@ -171,7 +77,7 @@ impl<'a> Flight<'a> {
 
 #[test]
 fn every_session_of_a_sound_plan_is_carried_out_at_its_times() {
-    let sessions = sessions();
+    let sessions = sessions(20);
     assert!(sessions.len() >= 20, "{}", sessions.len());
     let bytes = uplink(1, &sessions);
     let mut flight = Flight::new(&bytes);
@@ -205,7 +111,7 @@ fn every_session_of_a_sound_plan_is_carried_out_at_its_times() {
 
 #[test]
 fn sessions_that_disagree_with_the_prediction_are_skipped_with_the_reason() {
-    let good = sessions()[3];
+    let good = sessions(20)[3];
     let run = |session: SessionRecord| {
         let bytes = uplink(1, &[session]);
         let mut flight = Flight::new(&bytes);
@@ -233,7 +139,7 @@ fn sessions_that_disagree_with_the_prediction_are_skipped_with_the_reason() {
 
 #[test]
 fn the_measured_attitude_decides() {
-    let good = sessions()[3];
+    let good = sessions(20)[3];
     let bytes = uplink(1, &[good]);
     let mut flight = Flight::new(&bytes);
     // The spin is found a hundredth of a turn behind: 12 s of a turn of 20 min.
@@ -253,7 +159,7 @@ fn the_measured_attitude_decides() {
 
 #[test]
 fn without_time_for_the_check_nothing_is_begun() {
-    let good = sessions()[3];
+    let good = sessions(20)[3];
     let bytes = uplink(1, &[good]);
     let mut flight = Flight::new(&bytes);
     flight.run(good.start.tai_ns() - 10 * SECOND, good.end.tai_ns());
@@ -267,7 +173,7 @@ fn without_time_for_the_check_nothing_is_begun() {
 
 #[test]
 fn without_clock_or_tables_it_is_safe_until_resumed() {
-    let good = sessions()[3];
+    let good = sessions(20)[3];
     let bytes = uplink(1, &[good]);
     let middle = good.first_entry.tai_ns() + SECOND;
     for lose in 0..4 {
@@ -307,8 +213,23 @@ fn without_clock_or_tables_it_is_safe_until_resumed() {
 }
 
 #[test]
+fn an_order_to_resume_from_before_does_not_lead_out_of_safe() {
+    let bytes = uplink(1, &[]);
+    let mut flight = Flight::new(&bytes);
+    flight.tick(0);
+    flight.sequencer.resume();
+    flight.clock = None;
+    let safe = State::Safe(SafeReason::NoClock);
+    assert_eq!(flight.tick(SECOND), safe);
+    flight.clock = Some(CLOCK);
+    assert_eq!(flight.tick(2 * SECOND), safe);
+    flight.sequencer.resume();
+    assert_eq!(flight.tick(3 * SECOND), State::Idle);
+}
+
+#[test]
 fn jumps_of_the_clock_and_other_tables_give_up_the_session() {
-    let all = sessions();
+    let all = sessions(20);
     let (good, later) = (all[3], all[4]);
     let bytes = uplink(1, &[good, later]);
     let newer = uplink(2, &[later]);
@@ -343,7 +264,7 @@ fn jumps_of_the_clock_and_other_tables_give_up_the_session() {
 
 #[test]
 fn sessions_of_other_telescopes_and_overlaps_are_left_out() {
-    let good = sessions()[3];
+    let good = sessions(20)[3];
     let other = SessionRecord { telescope: 1, ..good };
     let header = Header {
         sequence: 1,
@@ -370,7 +291,7 @@ fn sessions_of_other_telescopes_and_overlaps_are_left_out() {
 /// times, after a check, with a valid clock and valid tables.
 #[test]
 fn the_rules_hold_under_arbitrary_jumps() {
-    let sessions = sessions();
+    let sessions = sessions(20);
     let (first, second) = (uplink(1, &sessions), uplink(2, &sessions[5..]));
     for seed in 0..60 {
         let mut noise = Noise::new(seed);

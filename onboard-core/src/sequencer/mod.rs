@@ -8,7 +8,7 @@
 //!
 //! Rules:
 //! - Without a valid clock, or tables that are valid now, the state is safe. It is left only by
-//!   [`Sequencer::resume`], and only when both are there.
+//!   [`Sequencer::resume`], ordered since it was entered, and only when both are there.
 //! - Time that runs backwards by more than the longest gap between ticks leads to safe; by less, it
 //!   stands still until the counter has caught up. A jump forwards by more than the longest gap
 //!   gives up the running session and skips the sessions whose start it passed.
@@ -311,6 +311,8 @@ impl Sequencer {
         if matches!(self.state, State::Safe(_)) {
             return;
         }
+        // An order from before does not lead out of what it could not know.
+        self.resume = false;
         self.abort(AbortReason::Safe, log);
         log.add(Event::Safe(reason));
         self.enter(State::Safe(reason), log);

@@ -55,9 +55,10 @@ const AVOIDANCE_BYTES: usize = 16;
 pub enum MissionError {
     /// Fewer or more bytes than the numbers of records say.
     WrongLength,
-    /// An unknown Sun model (its number).
+    /// An unknown Sun model (its number), or a circular Sun beside the table's.
     SunModel(u16),
-    /// A telescope's (its index) field of view has an unknown shape, or spare bytes are not zero.
+    /// A telescope's (its index) field of view has an unknown shape, its half-wave plate a phase
+    /// but no rate, or spare bytes are not zero.
     Telescope(u16),
     /// A detector (its index) names a telescope that is not there, breaks their order, or has spare
     /// bytes that are not zero.
@@ -385,7 +386,7 @@ fn read_fixed(bytes: &[u8]) -> Result<Fixed, MissionError> {
     };
     let count = |offset| u16_at(bytes, offset).ok_or(short);
     let sun = match count(96)? {
-        0 => SunRecord::Table,
+        0 if field(bytes, 72) == Some([0_u8; 24]) => SunRecord::Table,
         1 => SunRecord::Circular(rotor_at(bytes, 72).ok_or(short)?),
         other => return Err(MissionError::SunModel(other)),
     };
@@ -426,16 +427,17 @@ fn read_telescope(
     let plate = rotor_at(record, 32).ok_or(bad)?;
     let (first, second) = (number(56)?, number(64)?);
     let shape_record = match u16_at(record, 72) {
-        Some(1) => FieldShape::Circle(first),
+        Some(1) if second.to_bits() == 0 => FieldShape::Circle(first),
         Some(2) => FieldShape::Rectangle(first, second),
         _ => return Err(bad),
     };
-    if field(record, 74) != Some([0_u8; 6]) {
+    let turning = plate.rate.bits() != 0;
+    if field(record, 74) != Some([0_u8; 6]) || (!turning && plate.start != Phase::ZERO) {
         return Err(bad);
     }
     Ok(TelescopeRecord {
         rotation: rotation_at(record, bad)?,
-        hwp: (plate.rate.bits() != 0).then_some(plate),
+        hwp: turning.then_some(plate),
         field: shape_record,
     })
 }
@@ -518,9 +520,12 @@ mod tests {
             MissionTable::parse(&bytes).map(|_| ()).unwrap_err()
         };
         assert_eq!(with(96, &[7, 0]), MissionError::SunModel(7));
+        assert_eq!(with(96, &[0, 0]), MissionError::SunModel(0));
         assert_eq!(with(98, &[9, 0]), MissionError::WrongLength);
         assert_eq!(with(102, &[0, 0]), MissionError::WrongLength);
         assert_eq!(with(112 + 72, &[9, 0]), MissionError::Telescope(0));
+        assert_eq!(with(112 + 64, &[1]), MissionError::Telescope(0));
+        assert_eq!(with(192 + 48, &[1]), MissionError::Telescope(1));
         assert_eq!(with(192 + 74, &[1]), MissionError::Telescope(1));
         assert_eq!(with(272 + 32, &[2, 0]), MissionError::Detector(0));
         assert_eq!(with(312 + 32, &[0, 0]), MissionError::Detector(1));

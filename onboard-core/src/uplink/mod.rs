@@ -95,7 +95,7 @@ pub enum UplinkError {
     NotAContainer,
     /// Another format version (the one found).
     Version(u16),
-    /// The header's CRC does not match.
+    /// The header's CRC does not match, or its spare bytes are not zero.
     HeaderCrc,
     /// The directory's CRC does not match.
     DirectoryCrc,
@@ -231,7 +231,7 @@ impl<'a> Container<'a> {
         if version != VERSION {
             return Err(UplinkError::Version(version));
         }
-        if u32_at(header, 60) != Some(checksum(covered)) {
+        if u32_at(header, 60) != Some(checksum(covered)) || u32_at(header, 56) != Some(0) {
             return Err(UplinkError::HeaderCrc);
         }
         let length = u32_at(header, 12).ok_or(short)?;
@@ -411,6 +411,15 @@ pub(crate) mod tests {
         let mut long = good;
         long.push(0);
         assert_eq!(Container::parse(&long).unwrap_err(), UplinkError::TooLong);
+    }
+
+    #[test]
+    fn a_header_with_spare_bytes_is_refused() {
+        let mut bytes = container();
+        bytes[57] = 1;
+        let crc = checksum(&bytes[..60]);
+        bytes[60..64].copy_from_slice(&crc.to_le_bytes());
+        assert_eq!(Container::parse(&bytes).unwrap_err(), UplinkError::HeaderCrc);
     }
 
     #[test]

@@ -5,8 +5,8 @@
 //! checked where it was received ([`Slots::admit`]), written by the caller to the slot that is not
 //! active, and becomes active by being there; a write that is cut short leaves an unsound slot, and
 //! the other one stays active. The only way to an older container is a [`RollbackOrder`]: the
-//! caller then overwrites the newer one's magic by [`REVOKED`] ([`revoke`]); its sequence number
-//! remains readable and is not accepted again.
+//! caller then marks the newer one as revoked ([`revoke`]); its sequence number remains readable and
+//! is not accepted again.
 //!
 //! A slot may be longer than its container.
 
@@ -202,11 +202,16 @@ impl<'a> Slots<'a> {
     }
 }
 
-/// Marks a slot's container as rolled back: its magic becomes [`REVOKED`].
+/// Marks a slot's container as rolled back: its magic becomes [`REVOKED`], and the header's CRC
+/// that of the header with it, so that a new container's first bytes do not bring it back.
 ///
 /// False when the slot is too short for a container.
 pub fn revoke(slot: &mut [u8]) -> bool {
-    slot.len() >= HEADER_BYTES && put(slot, 0, REVOKED)
+    if slot.len() < HEADER_BYTES || !put(slot, 0, REVOKED) {
+        return false;
+    }
+    let crc = slot.first_chunk::<60>().map(|covered| checksum(covered));
+    crc.is_some_and(|crc| put(slot, 60, crc.to_le_bytes()))
 }
 
 fn check_validity(header: &Header, now: Instant) -> Result<(), Refusal> {
@@ -224,16 +229,19 @@ fn image(slot: &[u8]) -> &[u8] {
     u32_at(slot, 12).and_then(|length| span(slot, 0, length)).unwrap_or(slot)
 }
 
-/// The sequence number of a revoked container whose header is otherwise whole.
+/// The sequence number of a revoked container whose header is otherwise whole; its CRC may still be
+/// the one from before, when the revoking was cut short.
 fn revoked_sequence(slot: &[u8]) -> Option<u32> {
     if field(slot, 0) != Some(REVOKED) {
         return None;
     }
-    let mut header: [u8; HEADER_BYTES] = field(slot, 0)?;
-    put(&mut header, 0, MAGIC);
-    let covered = header.first_chunk::<60>()?;
-    (u32_at(&header, 60)? == checksum(covered)).then_some(())?;
-    u32_at(&header, 16)
+    let mut header: [u8; 60] = field(slot, 0)?;
+    let crc = u32_at(slot, 60)?;
+    if crc != checksum(&header) {
+        put(&mut header, 0, MAGIC);
+        (crc == checksum(&header)).then_some(())?;
+    }
+    u32_at(slot, 16)
 }
 
 #[cfg(test)]
@@ -371,6 +379,26 @@ mod tests {
         let again = Refusal::Older { candidate: 5, newest: 5 };
         assert_eq!(slots.admit(&uplink(5, (0, 900)), NOW), Err(again), "not by the back door");
         assert_eq!(slots.admit(&uplink(6, (0, 900)), NOW), Ok(Slot::B));
+    }
+
+    #[test]
+    fn a_cut_write_does_not_bring_a_revoked_container_back() {
+        let (old, mut new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
+        let whole = new.clone();
+        assert!(revoke(&mut new));
+        let candidate = uplink(6, (0, 900));
+        // Behind the header the two are alike.
+        for written in 0..HEADER_BYTES {
+            let mut slot = new.clone();
+            slot[..written].copy_from_slice(&candidate[..written]);
+            let slots = Slots { a: &old, b: &slot };
+            assert_eq!(slots.active().unwrap().slot, Slot::A, "{written} bytes written");
+        }
+        // Nor is the number forgotten where the revoking itself is cut behind the magic.
+        let mut cut = whole;
+        cut[..8].copy_from_slice(&REVOKED);
+        let slots = Slots { a: &old, b: &cut };
+        assert_eq!(slots.tables(Slot::B).unwrap_err(), SlotError::Revoked(5));
     }
 
     #[test]

@@ -1,0 +1,4 @@
+//! See `fuzz::mission`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzz::mission::run(data));

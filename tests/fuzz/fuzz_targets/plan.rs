@@ -1,0 +1,4 @@
+//! See `fuzz::plan`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzz::plan::run(data));

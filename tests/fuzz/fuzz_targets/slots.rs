@@ -1,0 +1,4 @@
+//! See `fuzz::slots`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzz::slots::run(data));
