@@ -62,7 +62,9 @@ fn run() -> Result<bool, Box<dyn Error>> {
         within &= report_sizes(one, &document);
     }
     if options.contains(&"--update") {
-        measured.iter().for_each(|one| record(one, &entries, &mut document));
+        for one in &measured {
+            record(one, &entries, &mut document);
+        }
         std::fs::write(&budget, document.to_string())?;
         recorded.updated(&measured, &entries).write(&folder.join("stack.csv"))?;
         println!("budget: recorded in {}", folder.display());
@@ -154,7 +156,9 @@ fn report_stack(
             println!("  {entry} {}", compare(depth.bytes, before, limit).0);
         }
         if over || all && depth.bytes == deepest.bytes {
-            depth.chain.iter().for_each(|(callee, frame)| println!("    {frame:5} {callee}"));
+            for (callee, frame) in &depth.chain {
+                println!("    {frame:5} {callee}");
+            }
         }
     }
     within
@@ -221,7 +225,9 @@ impl Recorded {
     fn write(&self, path: &Path) -> std::io::Result<()> {
         let builds: BTreeSet<&String> = self.0.values().flat_map(BTreeMap::keys).collect();
         let mut text = String::from("entry");
-        builds.iter().for_each(|build| text.extend([",", build]));
+        for build in &builds {
+            text.extend([",", build]);
+        }
         for (entry, values) in &self.0 {
             text.extend(["\n", entry]);
             for build in &builds {
