@@ -118,7 +118,7 @@ fn corrupt(noise: &mut Noise, good: &[u8], image: &mut Vec<u8>) {
             image.extend((0..more).map(|_| noise.bits() as u8));
         }
     }
-    if noise.bits() % 4 == 0 && !image.is_empty() {
+    if noise.bits().is_multiple_of(4) && !image.is_empty() {
         for _ in 0..=noise.bits() % 8 {
             let at = below(noise, image.len());
             image[at] = noise.bits() as u8;

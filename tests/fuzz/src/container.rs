@@ -119,7 +119,7 @@ fn carry_out(tables: &Tables<'_>, seed: u64) {
     let mut events = EventQueue::<8>::new();
     let mut noise = Noise::new(seed);
     for tick in -TICKS / 2..TICKS / 2 {
-        let jump = if noise.bits() % 4 == 0 { noise.bits() as i64 >> 20 } else { 0 };
+        let jump = if noise.bits().is_multiple_of(4) { noise.bits() as i64 >> 20 } else { 0 };
         let situation = Situation {
             ticks: (tick * 10 + jump).cast_unsigned(),
             clock: Some(&clock),

@@ -86,7 +86,9 @@ fn full_container() -> Vec<u8> {
         mission_digest: *b"first sixteen by",
     };
     let mut planned = sessions(2);
-    planned.iter_mut().for_each(|it| it.telescope = 1);
+    for session in &mut planned {
+        session.telescope = 1;
+    }
     container(
         &header,
         &[
