@@ -284,7 +284,7 @@ impl Binary {
                     }
                     Flow::Indirect => {
                         let place = x86::place(line).and_then(|at| self.addresses.get(&at));
-                        let held = held.get(index).and_then(|held| held.called(&instruction));
+                        let held = held.get(index).and_then(|held| x86::called(&instruction, held));
                         let Some(to) = place.copied().or(held) else {
                             return Err(StackError::IndirectCall(name, instruction.to_string()));
                         };

@@ -40,7 +40,7 @@ fn circling(body: i32, start_rad: f64, period_days: f64, tilt_rad: f64) -> Vec<u
         let (sin, cos) = (start_rad + TAU * days / period_days).sin_cos();
         [cos, sin * tilt_rad.cos(), sin * tilt_rad.sin()]
     };
-    let granules: Vec<Vec<[f64; 3]>> = (0..DAYS + 1)
+    let granules: Vec<Vec<[f64; 3]>> = (0..=DAYS)
         .map(|day| {
             (0..ORDERS)
                 .map(|order| {

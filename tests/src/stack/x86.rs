@@ -45,75 +45,101 @@ pub(super) fn place(line: &str) -> Option<u64> {
     instruction.contains("(%rip)").then(|| u64::from_str_radix(address, 16).ok()).flatten()
 }
 
-/// The register that a `mov` loads from a place; only one that calls preserve.
-fn loaded(line: &str) -> Option<(&str, u64)> {
-    const KEPT: [&str; 6] = ["%rbx", "%rbp", "%r12", "%r13", "%r14", "%r15"];
-    let (source, register) = line.strip_prefix("mov ")?.split('#').next()?.split_once(",%")?;
-    let register = register.trim();
-    let register = KEPT.iter().find(|kept| kept.trim_start_matches('%') == register)?;
-    source.trim_end().ends_with("(%rip)").then_some((*register, place(line)?))
+/// Registers that calls preserve.
+const KEPT: [&str; 6] = ["%rbx", "%rbp", "%r12", "%r13", "%r14", "%r15"];
+/// Those that they do not.
+const LOST: [&str; 9] = ["%rax", "%rcx", "%rdx", "%rsi", "%rdi", "%r8", "%r9", "%r10", "%r11"];
+/// Instructions that write no register but those they name.
+const PLAIN: [&str; 24] = [
+    "mov", "lea", "add", "sub", "adc", "sbb", "xor", "and", "or", "not", "neg", "cmp", "test",
+    "shl", "shr", "sar", "cmov", "set", "pxor", "div", "pop", "push", "j", "bt",
+];
+
+fn register(text: &str) -> Option<&'static str> {
+    KEPT.iter().chain(&LOST).find(|register| **register == text).copied()
 }
 
-/// What is known before an instruction of one register that holds an address of the linker's table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Held<'a> {
-    /// No path leads here, as far as is known.
-    Unreached,
-    /// On every path here the register holds the address.
-    Address(&'a str, u64),
-    /// Nothing.
-    Nothing,
+/// The register that a `mov` loads from a place.
+fn loaded(line: &str) -> Option<(&'static str, u64)> {
+    let (source, to) = line.strip_prefix("mov ")?.split('#').next()?.rsplit_once(',')?;
+    let to = register(to.trim())?;
+    source.trim_end().ends_with("(%rip)").then_some((to, place(line)?))
 }
 
-impl Held<'_> {
-    /// The address, when the instruction calls what the register holds.
-    pub(super) fn called(self, instruction: &Instruction<'_>) -> Option<u64> {
-        match self {
-            Self::Address(register, to) if calls(instruction, register) => Some(to),
-            _ => None,
-        }
-    }
+/// The two registers of a `mov` from one to the other.
+fn copied(instruction: &Instruction<'_>) -> Option<(&'static str, &'static str)> {
+    let (from, to) = instruction.operands.split_once(',')?;
+    (instruction.mnemonic == "mov").then_some((register(from)?, register(to)?))
+}
 
-    fn meet(self, other: Self) -> Self {
-        match (self, other) {
-            (Self::Unreached, known) | (known, Self::Unreached) => known,
-            (a, b) if a == b => a,
-            _ => Self::Nothing,
-        }
+/// Registers that surely hold an address of the linker's table.
+pub(super) type Held = BTreeMap<&'static str, u64>;
+
+/// The address, when the instruction calls what a register holds.
+pub(super) fn called(instruction: &Instruction<'_>, held: &Held) -> Option<u64> {
+    held.get(instruction.operands.strip_prefix('*')?).copied()
+}
+
+/// What is held after an instruction.
+fn after(line: &str, addresses: &BTreeMap<u64, u64>, before: &Held) -> Held {
+    let instruction = Instruction::parse(line);
+    let mut held = before.clone();
+    if instruction.mnemonic.starts_with("call") {
+        held.retain(|register, _| KEPT.contains(register));
+        return held;
     }
+    if let Some((from, to)) = copied(&instruction) {
+        match before.get(from) {
+            Some(address) => held.insert(to, *address),
+            None => held.remove(to),
+        };
+        return held;
+    }
+    if !PLAIN.iter().any(|plain| instruction.mnemonic.starts_with(plain)) {
+        held.retain(|register, _| KEPT.contains(register));
+    }
+    if ["div", "mul", "imul", "idiv"].iter().any(|wide| instruction.mnemonic.starts_with(wide)) {
+        held.retain(|register, _| !["%rax", "%rdx"].contains(register));
+    }
+    held.retain(|register, _| keeps(&instruction, register));
+    if let Some((to, place)) = loaded(line)
+        && let Some(address) = addresses.get(&place)
+    {
+        held.insert(to, *address);
+    }
+    held
 }
 
 /// What is held before each instruction of a function: the fixed point over its jumps.
-pub(super) fn held<'a>(
-    function: &[&(u64, &'a str)],
-    addresses: &BTreeMap<u64, u64>,
-) -> Vec<Held<'a>> {
+pub(super) fn held(function: &[&(u64, &str)], addresses: &BTreeMap<u64, u64>) -> Vec<Held> {
     let index: BTreeMap<u64, usize> =
         function.iter().enumerate().map(|(index, (at, _))| (*at, index)).collect();
-    let mut before = vec![Held::Unreached; function.len()];
+    // `None` where no path leads, as far as is known.
+    let mut before: Vec<Option<Held>> = vec![None; function.len()];
     if let Some(first) = before.first_mut() {
-        *first = Held::Nothing;
+        *first = Some(Held::new());
     }
-    loop {
-        let known = before.clone();
+    let mut changed = true;
+    while changed {
+        changed = false;
         for (at, (_, line)) in function.iter().enumerate() {
-            let instruction = Instruction::parse(line);
-            let address = |place| addresses.get(&place).copied();
-            let after = match (known[at], loaded(line)) {
-                (Held::Unreached, _) => Held::Unreached,
-                (_, Some((register, place))) if address(place).is_some() => {
-                    address(place).map_or(Held::Nothing, |to| Held::Address(register, to))
-                }
-                (Held::Address(register, to), _) if keeps(&instruction, register) => {
-                    Held::Address(register, to)
-                }
-                _ => Held::Nothing,
-            };
+            let Some(known) = &before[at] else { continue };
+            let after = after(line, addresses, known);
             let mut reach = |to: usize| {
-                if let Some(there) = before.get_mut(to) {
-                    *there = there.meet(after);
+                let Some(there) = before.get_mut(to) else { return };
+                let met = match there {
+                    None => after.clone(),
+                    Some(known) => {
+                        let both = known.iter().filter(|(name, at)| after.get(*name) == Some(*at));
+                        both.map(|(name, at)| (*name, *at)).collect()
+                    }
+                };
+                if there.as_ref() != Some(&met) {
+                    *there = Some(met);
+                    changed = true;
                 }
             };
+            let instruction = Instruction::parse(line);
             if let Flow::Jump(to) = flow(&instruction)
                 && let Some(to) = index.get(&to)
             {
@@ -123,24 +149,33 @@ pub(super) fn held<'a>(
                 reach(at + 1);
             }
         }
-        if before == known {
-            return before;
-        }
     }
+    before.into_iter().map(Option::unwrap_or_default).collect()
 }
 
-/// Whether the instruction calls or jumps to what `register` holds.
-fn calls(instruction: &Instruction<'_>, register: &str) -> bool {
-    instruction.operands.strip_prefix('*') == Some(register)
-}
-
-/// Whether a register that holds an address surely still does: any other mention of it, whole or in
-/// part, counts as a write.
+/// Whether a register that holds an address surely still does: any mention of it, whole or in part,
+/// counts as a write, but the call through it.
 fn keeps(instruction: &Instruction<'_>, register: &str) -> bool {
-    let family = register.trim_start_matches("%r");
-    let low = if family == "bx" { "%bl" } else { family };
-    calls(instruction, register)
-        || !instruction.operands.contains(family) && !instruction.operands.contains(low)
+    let mut names = instruction.operands.split('%').skip(1);
+    instruction.operands.strip_prefix('*') == Some(register)
+        || !names.any(|text| {
+            let end = text.find(|letter: char| !letter.is_ascii_alphanumeric());
+            whole(&text[..end.unwrap_or(text.len())]) == register.trim_start_matches('%')
+        })
+}
+
+/// The whole register that a name is a part of.
+fn whole(name: &str) -> &str {
+    match name {
+        "eax" | "ax" | "al" | "ah" => "rax",
+        "ebx" | "bx" | "bl" | "bh" => "rbx",
+        "ecx" | "cx" | "cl" | "ch" => "rcx",
+        "edx" | "dx" | "dl" | "dh" => "rdx",
+        "esi" | "si" | "sil" => "rsi",
+        "edi" | "di" | "dil" => "rdi",
+        "ebp" | "bp" | "bpl" => "rbp",
+        numbered => numbered.trim_end_matches(['d', 'w', 'b']),
+    }
 }
 
 #[cfg(test)]
@@ -176,6 +211,30 @@ mod tests {
             "lea    -0x8(%rbp),%rsp",
         ] {
             assert_eq!(moved(refused), None, "{refused}");
+        }
+    }
+
+    #[test]
+    fn registers_are_known_by_all_their_names() {
+        let keeps = |line, register| keeps(&Instruction::parse(line), register);
+        for line in ["xor %eax,%eax", "mov %al,(%rdx)", "lea 0x8(%rax),%rcx", "mov $0x1,%ah"] {
+            assert!(!keeps(line, "%rax"), "{line}");
+        }
+        for line in ["mov %r8d,%ecx", "add %r8b,%cl", "movzwl %r8w,%ecx"] {
+            assert!(!keeps(line, "%r8"), "{line}");
+            assert!(keeps(line, "%r10") && keeps(line, "%rdx"), "{line}");
+        }
+        for line in ["mov %sil,(%rcx)", "mov %esi,%ecx", "mov (%rsi),%rcx"] {
+            assert!(!keeps(line, "%rsi") && keeps(line, "%rdi"), "{line}");
+        }
+        for (line, register) in [
+            ("mov %bl,(%rcx)", "%rbx"),
+            ("mov %bp,%cx", "%rbp"),
+            ("mov %dil,%cl", "%rdi"),
+            ("mov %dl,%cl", "%rdx"),
+            ("lea (%rcx,%r15,8),%rcx", "%r15"),
+        ] {
+            assert!(!keeps(line, register), "{line}");
         }
     }
 }
