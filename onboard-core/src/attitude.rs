@@ -41,6 +41,7 @@ pub struct Sweep {
 ///
 /// # Errors
 /// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
+#[inline(never)]
 pub fn attitude(
     scan: &ScanStrategy,
     sun: &SunModel<'_>,
@@ -63,6 +64,7 @@ fn spin_in_ecliptic(
 ///
 /// # Errors
 /// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
+#[inline(never)]
 pub fn sweep(
     scan: &ScanStrategy,
     sun: &SunModel<'_>,

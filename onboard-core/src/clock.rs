@@ -74,6 +74,7 @@ impl ClockCorrelation {
     ///
     /// # Errors
     /// [`ClockError`], the first thing found wrong.
+    #[inline(never)]
     pub fn from_le_bytes(bytes: &[u8; CLOCK_BYTES]) -> Result<Self, ClockError> {
         if field(bytes, 0) != Some(MAGIC) {
             return Err(ClockError::NotACorrelation);
@@ -133,6 +134,7 @@ impl ClockCorrelation {
     ///
     /// # Errors
     /// [`ClockError::Expired`], [`ClockError::NotYetValid`] or [`ClockError::BeyondScale`].
+    #[inline(never)]
     pub fn instant(&self, ticks: u64) -> Result<Instant, ClockError> {
         let beyond = ClockError::BeyondScale;
         let difference = signed_from_u64(ticks.wrapping_sub(self.ticks));

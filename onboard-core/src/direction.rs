@@ -6,6 +6,7 @@
 //!
 //! Limits: the longitude of a pole is given as 0.
 
+use crate::trigonometry;
 use core::marker::PhantomData;
 use nalgebra::Vector3;
 
@@ -46,8 +47,8 @@ impl<F> Direction<F> {
     /// The direction at `longitude_rad` from x towards y, `latitude_rad` towards z.
     #[must_use]
     pub fn from_longitude_latitude(longitude_rad: f64, latitude_rad: f64) -> Self {
-        let (sin_lon, cos_lon) = libm::sincos(longitude_rad);
-        let (sin_lat, cos_lat) = libm::sincos(latitude_rad);
+        let (sin_lon, cos_lon) = trigonometry::sin_cos(longitude_rad);
+        let (sin_lat, cos_lat) = trigonometry::sin_cos(latitude_rad);
         Self::from_unit(Vector3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat))
     }
 

@@ -102,6 +102,7 @@ pub struct Span {
 impl Span {
     /// Reads a record; `None` when a field is out of its range.
     #[must_use]
+    #[inline(never)]
     pub fn from_le_bytes(record: &[u8; SPAN_BYTES]) -> Option<Self> {
         let coefficients = u16_at(record, 4)?;
         let granules = u32_at(record, 8)?;
@@ -159,6 +160,7 @@ impl<'a> EphemerisTable<'a> {
     /// # Errors
     /// [`EphemerisError::WrongLength`], [`EphemerisError::BadSpan`] or
     /// [`EphemerisError::BadCoefficient`].
+    #[inline(never)]
     pub fn parse(bytes: &'a [u8]) -> Result<Self, EphemerisError> {
         let count = u32_at(bytes, 0).ok_or(EphemerisError::WrongLength)?;
         let numbers = u32_at(bytes, 4).ok_or(EphemerisError::WrongLength)?;
@@ -219,6 +221,7 @@ impl<'a> EphemerisTable<'a> {
     ///
     /// # Errors
     /// [`EphemerisError::NoSuchBody`].
+    #[inline(never)]
     pub fn body(self, body: i32) -> Result<BodyTable<'a>, EphemerisError> {
         let records = self.spans.as_chunks::<SPAN_BYTES>().0;
         let number = |record: &[u8; SPAN_BYTES]| i32_at(record, 0).unwrap_or(i32::MAX);
@@ -254,6 +257,7 @@ impl BodyTable<'_> {
     }
 
     /// The series that holds `at`, and where `at` lies in it.
+    #[inline(never)]
     fn series(&self, at: Instant) -> Option<Series<'_>> {
         // The last span that starts at or before `at`; its far end is inclusive.
         let after = self
@@ -299,6 +303,7 @@ impl BodyTable<'_> {
 
     /// First and last instant of the body's spans; a gap between spans is not seen here.
     #[must_use]
+    #[inline(never)]
     pub fn coverage(self) -> Option<(Instant, Instant)> {
         let first = Span::from_le_bytes(self.spans.first()?)?;
         let last = Span::from_le_bytes(self.spans.last()?)?;
@@ -307,6 +312,7 @@ impl BodyTable<'_> {
 
     /// Bounds on the motion over all of the body's spans.
     #[must_use]
+    #[inline(never)]
     pub fn bounds(self) -> MotionBounds {
         let none = MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 0.0 };
         self.spans.iter().filter_map(Span::from_le_bytes).fold(none, |a, span| MotionBounds {
@@ -363,6 +369,7 @@ fn chebyshev_value(series: &[[u8; ORDER_BYTES]], x: f64) -> Vector3<f64> {
 }
 
 /// `sum_k c_k T_k(x)` and its derivative `sum_k c_k k U_{k-1}(x)`, by the recurrences of both kinds.
+#[inline(never)]
 fn chebyshev(series: &[[u8; ORDER_BYTES]], x: f64) -> (Vector3<f64>, Vector3<f64>) {
     let zero = Vector3::new(0.0, 0.0, 0.0);
     let Some((constant, higher)) = series.split_first() else { return (zero, zero) };

@@ -16,6 +16,7 @@ use crate::direction::Direction;
 use crate::frame::Boresight;
 use crate::rectangle::Rectangle;
 use crate::rotation::Rotation;
+use crate::trigonometry;
 use core::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Vector3;
 
@@ -102,8 +103,8 @@ impl FieldOfView {
                 return Err(FieldOfViewError::Side(side));
             }
         }
-        let (sin_w, cos_w) = libm::sincos(0.5 * width_rad);
-        let (sin_h, cos_h) = libm::sincos(0.5 * height_rad);
+        let (sin_w, cos_w) = trigonometry::sin_cos(0.5 * width_rad);
+        let (sin_h, cos_h) = trigonometry::sin_cos(0.5 * height_rad);
         let axis = |x: f64, y: f64, z: f64| frame.rotate(Vector3::new(x, y, z));
         // A corner lies at (tan h/2, tan w/2, 1).
         let (tan_w, tan_h) = (sin_w / cos_w, sin_h / cos_h);

@@ -28,6 +28,7 @@
 
 mod convert;
 mod bytes;
+mod trigonometry;
 
 pub mod time;
 pub mod phase;
@@ -47,6 +48,7 @@ pub mod tracking;
 pub mod transit;
 pub mod avoidance;
 pub mod visits;
+pub mod forecast;
 
 pub mod uplink;
 pub mod clock;

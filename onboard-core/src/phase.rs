@@ -17,6 +17,7 @@ use crate::convert::{
     signed_from_u64, wide, wide_bits_from_f64, wide_bits_from_i64,
 };
 use crate::time::Duration;
+use crate::trigonometry;
 use core::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
@@ -89,13 +90,8 @@ impl Phase {
     pub fn sin_cos(self) -> (f64, f64) {
         let quarter = self.0.wrapping_add(1 << 61_u32) >> 62_u32;
         let rest = signed_from_u64(self.0.wrapping_sub(quarter.wrapping_shl(62)));
-        let (sin, cos) = libm::sincos(f64_from_i64(rest) * RADIANS_PER_BIT);
-        match quarter {
-            0 => (sin, cos),
-            1 => (cos, -sin),
-            2 => (-sin, -cos),
-            _ => (-cos, sin),
-        }
+        let near = trigonometry::sin_cos_eighth(f64_from_i64(rest) * RADIANS_PER_BIT);
+        trigonometry::turned(near, signed_from_u64(quarter) & 3)
     }
 }
 

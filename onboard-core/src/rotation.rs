@@ -31,6 +31,7 @@
 use crate::direction::Direction;
 use crate::frame::{Ecliptic, Icrf, OBLIQUITY_ARCSEC};
 use crate::phase::Phase;
+use crate::trigonometry;
 use core::marker::PhantomData;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -97,21 +98,21 @@ impl<A, B> Rotation<A, B> {
     /// `R_x`: turns y towards z by `angle_rad`.
     #[must_use]
     pub fn about_x(angle_rad: f64) -> Self {
-        let (sin, cos) = libm::sincos(0.5 * angle_rad);
+        let (sin, cos) = trigonometry::sin_cos(0.5 * angle_rad);
         Self::from_parts(sin, 0.0, 0.0, cos)
     }
 
     /// `R_y`: turns z towards x by `angle_rad`.
     #[must_use]
     pub fn about_y(angle_rad: f64) -> Self {
-        let (sin, cos) = libm::sincos(0.5 * angle_rad);
+        let (sin, cos) = trigonometry::sin_cos(0.5 * angle_rad);
         Self::from_parts(0.0, sin, 0.0, cos)
     }
 
     /// `R_z`: turns x towards y by `angle_rad`.
     #[must_use]
     pub fn about_z(angle_rad: f64) -> Self {
-        let (sin, cos) = libm::sincos(0.5 * angle_rad);
+        let (sin, cos) = trigonometry::sin_cos(0.5 * angle_rad);
         Self::from_parts(0.0, 0.0, sin, cos)
     }
 
@@ -175,6 +176,7 @@ impl<A, B> Rotation<A, B> {
         )
     }
 
+    #[inline(never)]
     pub(crate) fn rotate(self, vector: Vector3<f64>) -> Vector3<f64> {
         self.quaternion * vector
     }

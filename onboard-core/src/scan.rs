@@ -13,9 +13,10 @@
 //! Limits: alpha, beta in [0, pi] and alpha + beta at most pi; rates must not be zero.
 
 use crate::frame::{AntiSun, Boresight, Spin};
-use crate::phase::{Phase, Rotor};
+use crate::phase::{Phase, Rotor, TurnRate};
 use crate::rotation::Rotation;
 use crate::time::{Duration, Instant};
+use crate::trigonometry;
 use core::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
@@ -60,15 +61,42 @@ pub struct ScanStrategy {
     rates_rad_s: (f64, f64),
 }
 
+impl ScanParameters {
+    /// No motion; not a legal strategy.
+    pub(crate) const STILL: Self = {
+        let still = Rotor { rate: TurnRate::from_bits(0), start: Phase::ZERO };
+        Self {
+            start: Instant::from_tai_ns(0),
+            alpha_rad: 0.0,
+            beta_rad: 0.0,
+            precession: still,
+            spin: still,
+        }
+    };
+}
+
 /// Slack for alpha + beta = pi given in rounded radians.
 const SUM_SLACK: f64 = 1e-12;
 
 impl ScanStrategy {
+    /// No motion; not a legal strategy.
+    pub(crate) const STILL: Self = Self {
+        parameters: ScanParameters::STILL,
+        half_alpha: (0.0, 1.0),
+        boresight_in_spin: Rotation::IDENTITY,
+        rates_rad_s: (0.0, 0.0),
+    };
+
     /// Checks the parameters.
     ///
     /// # Errors
     /// [`ScanError`] names the parameter that is out of range.
     pub fn new(parameters: ScanParameters) -> Result<Self, ScanError> {
+        Self::check(&parameters)?;
+        Ok(Self::of_checked(parameters))
+    }
+
+    pub(crate) fn check(parameters: &ScanParameters) -> Result<(), ScanError> {
         let (alpha, beta) = (parameters.alpha_rad, parameters.beta_rad);
         if !(0.0..=PI).contains(&alpha) {
             return Err(ScanError::Alpha(alpha));
@@ -89,15 +117,21 @@ impl ScanStrategy {
         if !usable(parameters.spin) {
             return Err(ScanError::SpinRate);
         }
-        Ok(Self {
-            parameters,
-            half_alpha: libm::sincos(0.5 * alpha),
-            boresight_in_spin: Rotation::about_y(beta),
+        Ok(())
+    }
+
+    /// The strategy of parameters that were checked before.
+    #[inline(never)]
+    pub(crate) fn of_checked(parameters: ScanParameters) -> Self {
+        Self {
+            half_alpha: trigonometry::sin_cos(0.5 * parameters.alpha_rad),
+            boresight_in_spin: Rotation::about_y(parameters.beta_rad),
             rates_rad_s: (
                 parameters.precession.rate.radians_per_second(),
                 parameters.spin.rate.radians_per_second(),
             ),
-        })
+            parameters,
+        }
     }
 
     /// The parameters as given.
@@ -142,6 +176,7 @@ impl ScanStrategy {
 
     /// The rotation from [`Spin`] to [`AntiSun`] at `at`: `R_z(a) R_y(alpha) R_z(b)`.
     #[must_use]
+    #[inline(never)]
     pub fn spin_in_anti_sun(&self, at: Instant) -> Rotation<Spin, AntiSun> {
         let (precession, spin) = self.phases(at);
         let (half_a, half_b) = (precession.half(), spin.half());
@@ -161,7 +196,6 @@ impl ScanStrategy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::phase::TurnRate;
     use proptest::prelude::*;
 
     fn parameters(alpha_deg: f64, beta_deg: f64) -> ScanParameters {

@@ -66,6 +66,7 @@ impl SunModel<'_> {
 
     /// Bounds on the direction's motion over all the time it is known.
     #[must_use]
+    #[inline(never)]
     pub fn bounds(&self) -> MotionBounds {
         match self {
             Self::Circular(longitude) => {

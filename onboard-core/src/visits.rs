@@ -2,16 +2,14 @@
 //!
 //! A [`VisitLog`] takes transits in order of entry and keeps, per target, counts, sums and
 //! histograms of dwell (exit less entry), revisit (next entry less entry) and gap (next entry less
-//! exit) in fixed memory. The next visit and the confidence in it come from
-//! [`TransitFinder`](crate::transit::TransitFinder), one channel per target, and
-//! [`Channel::confidence`](crate::transit::Channel::confidence).
+//! exit) in lent memory. [`Forecast`](crate::forecast::Forecast) has the next visits.
 //!
 //! Method: [`Bins`] of equal width or equal ratio; a value belongs to the bin whose edges, as
 //! [`Bins::edge_s`] gives them, hold it, the lower one included. Counters stop at their largest value.
 //!
 //! Limits: an edge at a search's start or end is not the visit's own: such a visit is counted, but
 //! enters a histogram only with what its whole edges tell. A [`Histogram`] takes `4 BINS + 8` bytes,
-//! a target three of them and at most 80 bytes more, a log its targets and 112 bytes
+//! a target three of them and at most 80 bytes more, a log 128 bytes beside its targets
 //! (`tests/tests/visits.rs`).
 
 use crate::convert::{f64_from_u64, i64_from_f64};
@@ -89,12 +87,15 @@ impl Bins {
         let share = real(index) / real(count);
         match self.spacing {
             Spacing::Linear => self.low_s + (self.high_s - self.low_s) * share,
-            Spacing::Logarithmic => self.low_s * libm::pow(self.high_s / self.low_s, share),
+            Spacing::Logarithmic => {
+                self.low_s * libm::exp(share * libm::log(self.high_s / self.low_s))
+            }
         }
     }
 
     /// Where `seconds` falls among `count` bins.
     #[must_use]
+    #[inline(never)]
     pub fn slot(&self, seconds: f64, count: usize) -> Slot {
         if seconds >= self.high_s {
             return Slot::Over;
@@ -276,19 +277,21 @@ pub enum VisitError {
     },
 }
 
-/// Running statistics of the visits to `TARGETS` targets, in histograms of `BINS` bins.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VisitLog<const TARGETS: usize, const BINS: usize> {
-    targets: [TargetVisits<BINS>; TARGETS],
+/// Running statistics of visits, in histograms of `BINS` bins, in memory that the caller lends.
+#[derive(Debug)]
+pub struct VisitLog<'m, const BINS: usize> {
+    targets: &'m mut [TargetVisits<BINS>],
     divisions: Divisions,
     latest: Option<Instant>,
 }
 
-impl<const TARGETS: usize, const BINS: usize> VisitLog<TARGETS, BINS> {
-    /// A log without visits.
+impl<'m, const BINS: usize> VisitLog<'m, BINS> {
+    /// A log that goes on from what the memory holds: [`TargetVisits::EMPTY`] for each target, or
+    /// what an earlier log with the same divisions left there.
     #[must_use]
-    pub const fn new(divisions: Divisions) -> Self {
-        Self { targets: [TargetVisits::EMPTY; TARGETS], divisions, latest: None }
+    pub fn new(divisions: &Divisions, targets: &'m mut [TargetVisits<BINS>]) -> Self {
+        let latest = targets.iter().filter_map(|it| it.last.map(|last| last.entry)).max();
+        Self { targets, divisions: *divisions, latest }
     }
 
     /// Counts a visit; a refused one leaves the log as it was.
@@ -320,8 +323,8 @@ impl<const TARGETS: usize, const BINS: usize> VisitLog<TARGETS, BINS> {
 
     /// The targets' statistics, by index.
     #[must_use]
-    pub const fn targets(&self) -> &[TargetVisits<BINS>; TARGETS] {
-        &self.targets
+    pub const fn targets(&self) -> &[TargetVisits<BINS>] {
+        self.targets
     }
 
     /// The bins of the histograms.

@@ -178,6 +178,13 @@ impl Binary {
         Ok(Self { machine, symbols, ends, frames, addresses, sizes })
     }
 
+    /// Bytes of code of a named function; 0 where it has no size of its own.
+    #[must_use]
+    pub fn code_bytes(&self, name: &str) -> u64 {
+        let start = self.symbols.iter().find(|(known, _)| known == name).map(|(_, start)| *start);
+        start.and_then(|start| Some(self.ends.get(&start)? - start)).unwrap_or(0)
+    }
+
     /// The instruction set, which decides on the disassembler.
     #[must_use]
     pub const fn machine(&self) -> Machine {

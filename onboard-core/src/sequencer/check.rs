@@ -1,21 +1,24 @@
 //! A planned session against the spacecraft's own prediction, a bounded piece at a time.
 //!
 //! The prediction searches the session's target through every field that calibrates the telescope,
-//! from two tolerances before the planned first entry to two after the planned last exit. Nothing
-//! is borrowed between two pieces: the search goes on from its saved state with the same bits, on
-//! the strategy that it began with.
+//! from two tolerances before the planned first entry to two after the planned last exit, on the
+//! strategy that was the best known when it began. Nothing is borrowed between two pieces.
 
 use super::{Settings, SkipReason};
+use crate::ephemeris::EphemerisError;
 use crate::scan::ScanStrategy;
 use crate::time::{Duration, Instant};
-use crate::transit::{Channel, SearchState, Step, Transit, TransitFinder};
+use crate::transit::{Lookup, Search, Seen, Transit};
 use crate::uplink::{SessionRecord, Tables};
 
 /// The prediction for one session, as far as it has come.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Check {
-    strategy: ScanStrategy,
+    strategy: Option<ScanStrategy>,
     stage: Stage,
+    search: Search,
+    /// Working memory of a search step.
+    seen: Seen,
     first_entry: Option<Instant>,
     last_exit: Option<Instant>,
     passes: u16,
@@ -23,8 +26,12 @@ pub(super) struct Check {
 
 #[derive(Debug, Clone, Copy)]
 enum Stage {
-    /// Searching through the field of this index.
-    Field(u16, Option<SearchState>),
+    /// Not begun.
+    Waiting,
+    /// The field of this index is next.
+    Field(u16),
+    /// The search through the field of this index is under way.
+    Searching(u16),
     Done(Result<(), SkipReason>),
 }
 
@@ -37,65 +44,95 @@ pub(super) struct Ground<'t, 'a> {
 }
 
 impl Check {
-    pub(super) const fn new(strategy: ScanStrategy) -> Self {
-        let stage = Stage::Field(0, None);
-        Self { strategy, stage, first_entry: None, last_exit: None, passes: 0 }
+    /// A check of nothing yet.
+    pub(super) const WAITING: Self = Self {
+        strategy: None,
+        stage: Stage::Waiting,
+        search: Search::NOTHING,
+        seen: Seen::NOTHING,
+        first_entry: None,
+        last_exit: None,
+        passes: 0,
+    };
+
+    /// Forgets all, for another session.
+    pub(super) const fn reset(&mut self) {
+        self.stage = Stage::Waiting;
+    }
+
+    /// Begins, unless it has begun, on this strategy or else the mission section's.
+    #[inline(never)]
+    pub(super) fn start(&mut self, strategy: Option<&ScanStrategy>, tables: &Tables<'_>) {
+        if matches!(self.stage, Stage::Waiting) {
+            self.strategy =
+                Some(strategy.map_or_else(|| tables.mission().strategy(), |known| *known));
+            self.stage = Stage::Field(0);
+            (self.first_entry, self.last_exit, self.passes) = (None, None, 0);
+        }
     }
 
     /// The outcome, once it is known.
     pub(super) const fn verdict(&self) -> Option<Result<(), SkipReason>> {
         match self.stage {
             Stage::Done(verdict) => Some(verdict),
-            Stage::Field(..) => None,
+            Stage::Waiting | Stage::Field(_) | Stage::Searching(_) => None,
         }
     }
 
     /// Goes on by at most the settings' number of search steps; returns the evaluations made.
+    #[inline(never)]
     pub(super) fn advance(&mut self, ground: &Ground<'_, '_>) -> u32 {
-        let Stage::Field(index, saved) = self.stage else { return 0 };
-        match self.search(ground, index, saved) {
-            Ok((evaluations, stage)) => {
-                self.stage = stage;
-                evaluations
+        let index = match self.stage {
+            Stage::Waiting | Stage::Done(_) => return 0,
+            Stage::Field(index) => {
+                self.stage = self
+                    .begin(ground, index)
+                    .unwrap_or_else(|error| Stage::Done(Err(SkipReason::Ephemeris(error))));
+                return 0;
             }
-            Err(reason) => {
-                self.stage = Stage::Done(Err(reason));
-                0
-            }
+            Stage::Searching(index) => index,
+        };
+        let before = self.search.evaluations();
+        match self.go_on(ground) {
+            Ok(false) => {}
+            Ok(true) => self.stage = Stage::Field(index.saturating_add(1)),
+            Err(error) => self.stage = Stage::Done(Err(SkipReason::Ephemeris(error))),
         }
+        let after = self.search.evaluations();
+        u32::try_from(after.wrapping_sub(before)).unwrap_or(u32::MAX)
     }
 
-    fn search(
-        &mut self,
-        ground: &Ground<'_, '_>,
-        index: u16,
-        saved: Option<SearchState>,
-    ) -> Result<(u32, Stage), SkipReason> {
+    /// Lays out the search through one field; when there is none left, the verdict.
+    #[inline(never)]
+    fn begin(&mut self, ground: &Ground<'_, '_>, index: u16) -> Result<Stage, EphemerisError> {
         let (session, tables) = (ground.session, ground.tables);
         let Some(field) = tables.mission().calibration_field(session.telescope, index) else {
-            return Ok((0, Stage::Done(self.compare(ground))));
+            return Ok(Stage::Done(self.compare(ground)));
         };
-        let body = tables.ephemeris().body(session.body).map_err(SkipReason::Ephemeris)?;
+        let sun = tables.sun()?;
+        let lookup = Lookup { sun: &sun, target: tables.ephemeris().body(session.body)? };
         let span = window(ground);
-        let mut channel = Channel::new(&self.strategy, tables.sun(), body, &field, span);
-        if let Some(state) = saved {
-            channel.resume(state);
-        }
-        let mut finder = TransitFinder::new(core::slice::from_mut(&mut channel));
-        let mut next = None;
+        let Some(strategy) = &self.strategy else { return Ok(Stage::Waiting) };
+        self.search.set(strategy, &lookup, &field, span);
+        Ok(Stage::Searching(index))
+    }
+
+    /// At most the settings' number of steps of the search; true when it is over.
+    #[inline(never)]
+    fn go_on(&mut self, ground: &Ground<'_, '_>) -> Result<bool, EphemerisError> {
+        let sun = ground.tables.sun()?;
+        let target = ground.tables.ephemeris().body(ground.session.body)?;
+        let lookup = Lookup { sun: &sun, target };
         for _ in 0..ground.settings.steps_per_tick {
-            match finder.step() {
-                Step::Transit(transit) => self.note(&transit),
-                Step::Searched(_) => {}
-                Step::Done => {
-                    next = Some(Stage::Field(index.saturating_add(1), None));
-                    break;
-                }
-                Step::Failed { error, .. } => return Err(SkipReason::Ephemeris(error)),
+            if let Some(transit) = self.search.take() {
+                self.note(&transit);
+            } else if self.search.frontier().is_none() {
+                return Ok(true);
+            } else {
+                self.search.advance(&lookup, &mut self.seen)?;
             }
         }
-        let evaluations = u32::try_from(channel.evaluations()).unwrap_or(u32::MAX);
-        Ok((evaluations, next.unwrap_or(Stage::Field(index, Some(channel.state())))))
+        Ok(false)
     }
 
     fn note(&mut self, transit: &Transit) {

@@ -4,6 +4,7 @@ use super::{AbortReason, SafeReason, SkipReason, State};
 use crate::time::Instant;
 use crate::uplink::SessionRecord;
 use heapless::Deque;
+use heapless::deque::DequeView;
 
 /// Something that happened.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,8 +68,27 @@ impl<const N: usize> EventQueue<N> {
 
     /// Adds an event, or counts it as dropped.
     pub fn push(&mut self, stamped: Stamped) {
-        if self.events.push_back(stamped).is_err() {
-            self.dropped = self.dropped.saturating_add(1);
+        self.log(stamped.ticks).add(stamped.event);
+    }
+
+    /// Where events of this instant go.
+    pub(super) fn log(&mut self, ticks: u64) -> Log<'_> {
+        Log { ticks, events: self.events.as_mut_view(), dropped: &mut self.dropped }
+    }
+}
+
+/// A queue of any capacity, and the on-board counter now.
+pub(super) struct Log<'q> {
+    ticks: u64,
+    events: &'q mut DequeView<Stamped>,
+    dropped: &'q mut u32,
+}
+
+impl Log<'_> {
+    #[inline(never)]
+    pub(super) fn add(&mut self, event: Event) {
+        if self.events.push_back(Stamped { ticks: self.ticks, event }).is_err() {
+            *self.dropped = self.dropped.saturating_add(1);
         }
     }
 }

@@ -31,6 +31,7 @@ use crate::scan::ScanStrategy;
 use crate::time::{Duration, Instant};
 use crate::uplink::{SessionRecord, Tables};
 use check::{Check, Ground};
+use event::Log;
 
 /// Most search steps in one tick.
 pub const MAX_STEPS_PER_TICK: u16 = 8;
@@ -167,25 +168,13 @@ pub struct Sequencer {
     running: Option<(u32, SessionRecord)>,
     /// Index of the next session to look at.
     next: u32,
-    /// The check of that session, once begun.
-    check: Option<Check>,
+    /// The check of that session.
+    check: Check,
     /// Sequence number and digest of the tables that `next` belongs to.
     tables: Option<(u32, u64)>,
     last: Option<Instant>,
     resume: bool,
     stop: bool,
-}
-
-/// Where events go, stamped.
-struct Log<'q, const N: usize> {
-    ticks: u64,
-    queue: &'q mut EventQueue<N>,
-}
-
-impl<const N: usize> Log<'_, N> {
-    fn add(&mut self, event: Event) {
-        self.queue.push(Stamped { ticks: self.ticks, event });
-    }
 }
 
 impl Sequencer {
@@ -211,7 +200,7 @@ impl Sequencer {
             state: State::Idle,
             running: None,
             next: 0,
-            check: None,
+            check: Check::WAITING,
             tables: None,
             last: None,
             resume: false,
@@ -243,7 +232,11 @@ impl Sequencer {
         situation: &Situation<'_, '_>,
         events: &mut EventQueue<N>,
     ) -> Tick {
-        let log = &mut Log { ticks: situation.ticks, queue: events };
+        self.move_on(situation, &mut events.log(situation.ticks))
+    }
+
+    #[inline(never)]
+    fn move_on(&mut self, situation: &Situation<'_, '_>, log: &mut Log<'_>) -> Tick {
         let mut evaluations = 0;
         match self.conditions(situation) {
             Err(reason) => self.enter_safe(reason, log),
@@ -260,7 +253,9 @@ impl Sequencer {
                     self.follow_time(now, log);
                     self.follow_tables(now, tables, log);
                     self.follow_session(now, log);
-                    evaluations = self.look_ahead((now, tables), situation.strategy, log);
+                    if let Some(session) = self.look_ahead(now, tables, log) {
+                        evaluations = self.look_into(&session, tables, situation.strategy);
+                    }
                     self.follow_session(now, log);
                 }
             }
@@ -269,6 +264,7 @@ impl Sequencer {
     }
 
     /// The time and the tables, when both may be acted on.
+    #[inline(never)]
     fn conditions<'t, 'a>(
         &mut self,
         situation: &Situation<'t, 'a>,
@@ -300,14 +296,15 @@ impl Sequencer {
         Ok((if safe { now } else { now.max(last) }, tables))
     }
 
-    fn enter<const N: usize>(&mut self, state: State, log: &mut Log<'_, N>) {
+    fn enter(&mut self, state: State, log: &mut Log<'_>) {
         if state != self.state {
             self.state = state;
             log.add(Event::Entered(state));
         }
     }
 
-    fn enter_safe<const N: usize>(&mut self, reason: SafeReason, log: &mut Log<'_, N>) {
+    #[inline(never)]
+    fn enter_safe(&mut self, reason: SafeReason, log: &mut Log<'_>) {
         if matches!(self.state, State::Safe(_)) {
             return;
         }
@@ -318,13 +315,14 @@ impl Sequencer {
         self.enter(State::Safe(reason), log);
     }
 
-    fn abort<const N: usize>(&mut self, reason: AbortReason, log: &mut Log<'_, N>) {
+    fn abort(&mut self, reason: AbortReason, log: &mut Log<'_>) {
         if let Some((index, _)) = self.running.take() {
             log.add(Event::Aborted(index, reason));
         }
     }
 
-    fn follow_time<const N: usize>(&mut self, now: Instant, log: &mut Log<'_, N>) {
+    #[inline(never)]
+    fn follow_time(&mut self, now: Instant, log: &mut Log<'_>) {
         if let Some(from) = self.last
             && now.since(from) > self.settings.longest_gap
         {
@@ -338,12 +336,8 @@ impl Sequencer {
     }
 
     /// Starts over where other tables are in use.
-    fn follow_tables<const N: usize>(
-        &mut self,
-        now: Instant,
-        tables: &Tables<'_>,
-        log: &mut Log<'_, N>,
-    ) {
+    #[inline(never)]
+    fn follow_tables(&mut self, now: Instant, tables: &Tables<'_>, log: &mut Log<'_>) {
         let own = Some((tables.header().sequence, tables.set_digest()));
         if self.tables == own {
             return;
@@ -354,12 +348,13 @@ impl Sequencer {
         }
         log.add(Event::Tables(tables.header().sequence));
         self.tables = own;
-        self.check = None;
+        self.check.reset();
         self.next = tables.plan().first_from(now);
     }
 
     /// The running session's state at this time.
-    fn follow_session<const N: usize>(&mut self, now: Instant, log: &mut Log<'_, N>) {
+    #[inline(never)]
+    fn follow_session(&mut self, now: Instant, log: &mut Log<'_>) {
         let Some((index, session)) = self.running else { return };
         let state = if now >= session.end {
             self.running = None;
@@ -375,29 +370,23 @@ impl Sequencer {
         self.enter(state, log);
     }
 
-    /// Checks the next session, begins or skips it when it is due.
-    fn look_ahead<const N: usize>(
+    /// Begins or skips sessions that are due; the next one, when it is time to check it.
+    #[inline(never)]
+    fn look_ahead(
         &mut self,
-        (now, tables): (Instant, &Tables<'_>),
-        strategy: Option<&ScanStrategy>,
-        log: &mut Log<'_, N>,
-    ) -> u32 {
+        now: Instant,
+        tables: &Tables<'_>,
+        log: &mut Log<'_>,
+    ) -> Option<SessionRecord> {
         for _ in 0..MAX_SESSIONS_PER_TICK {
-            let Some(session) = tables.plan().session(self.next) else { return 0 };
+            let session = tables.plan().session(self.next)?;
             if session.telescope == self.settings.telescope {
                 let ahead = session.start.since(now);
                 if ahead > self.settings.check_ahead {
-                    return 0;
+                    return None;
                 }
                 if ahead > Duration::ZERO {
-                    let nominal = tables.mission().strategy();
-                    let check =
-                        self.check.get_or_insert_with(|| Check::new(*strategy.unwrap_or(nominal)));
-                    return check.advance(&Ground {
-                        session: &session,
-                        tables,
-                        settings: &self.settings,
-                    });
+                    return Some(session);
                 }
                 match self.due(&session, now) {
                     Ok(()) => {
@@ -406,11 +395,22 @@ impl Sequencer {
                     }
                     Err(reason) => log.add(Event::Skipped(self.next, reason)),
                 }
-                self.check = None;
+                self.check.reset();
             }
             self.next = self.next.saturating_add(1);
         }
-        0
+        None
+    }
+
+    /// A piece of the next session's check; returns the evaluations made.
+    fn look_into(
+        &mut self,
+        session: &SessionRecord,
+        tables: &Tables<'_>,
+        strategy: Option<&ScanStrategy>,
+    ) -> u32 {
+        self.check.start(strategy, tables);
+        self.check.advance(&Ground { session, tables, settings: &self.settings })
     }
 
     /// Whether a session whose start has come may begin.
@@ -421,6 +421,6 @@ impl Sequencer {
         if self.running.is_some() {
             return Err(SkipReason::Overlap);
         }
-        self.check.as_ref().and_then(Check::verdict).unwrap_or(Err(SkipReason::NotChecked))
+        self.check.verdict().unwrap_or(Err(SkipReason::NotChecked))
     }
 }

@@ -38,6 +38,7 @@ use crate::rotation::Rotation;
 use crate::scan::{ScanError, ScanParameters, ScanStrategy};
 use crate::sun::SunModel;
 use crate::time::{Duration, Instant};
+use crate::trigonometry;
 use crate::uncertainty::ScanCovariance;
 use core::f64::consts::{FRAC_PI_4, PI};
 use filter::{ErrorCovariance, Errors};
@@ -178,6 +179,7 @@ impl Tracker {
     ///
     /// # Errors
     /// [`ResumeError`] when the state is damaged or another mission's; nothing changes then.
+    #[inline(never)]
     pub fn resume(&mut self, state: &TrackerState) -> Result<(), ResumeError> {
         let scan = ScanStrategy::new(state.scan).map_err(ResumeError::Scan)?;
         let (own, other) = (self.scan.parameters(), scan.parameters());
@@ -238,6 +240,7 @@ impl Tracker {
     ///
     /// # Errors
     /// [`Refusal`] says why it was not used; nothing but [`Self::refused_in_a_row`] changes then.
+    #[inline(never)]
     pub fn update(
         &mut self,
         sun: &SunModel<'_>,
@@ -371,7 +374,7 @@ struct Noise {
 impl Noise {
     /// Of a + b, alpha and a - b, for `sigma` rad about each axis.
     fn new(sigma: f64, alpha_rad: f64) -> Self {
-        let (sin_half, cos_half) = libm::sincos(0.5 * alpha_rad);
+        let (sin_half, cos_half) = trigonometry::sin_cos(0.5 * alpha_rad);
         let over = |divisor: f64| (sigma / divisor) * (sigma / divisor);
         Self { sum: over(cos_half), alpha: sigma * sigma, difference: over(sin_half) }
     }

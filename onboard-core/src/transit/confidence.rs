@@ -119,6 +119,7 @@ impl Channel<'_> {
     }
 
     /// Standard deviation in seconds of an edge; `sense` is the sign of f' there.
+    #[inline(never)]
     fn edge(
         &self,
         at: Instant,
@@ -133,6 +134,7 @@ impl Channel<'_> {
         Ok(ratio(libm::sqrt(variance), rate))
     }
 
+    #[inline(never)]
     fn passage(&self, at: Instant, covariance: &ScanCovariance) -> Result<Passage, EphemerisError> {
         let sight = self.sight_at(at)?;
         let (motion, reach) = (self.motion(), self.reach());

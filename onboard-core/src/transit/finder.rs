@@ -47,6 +47,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
     /// Advances the channel that is furthest behind, or hands out the next transit.
     ///
     /// At most [`MAX_EVALUATIONS_PER_STEP`](super::MAX_EVALUATIONS_PER_STEP) evaluations.
+    #[inline(never)]
     pub fn step(&mut self) -> Step {
         // Earliest frontier first; at a tie a channel that may still find something goes before
         // one that waits with a transit, so that equal entries come out in channel order.

@@ -27,14 +27,18 @@
 //! that spacing. `tests/tests/transits.rs` compares with dense sampling and with independent values.
 
 mod channel;
+mod search;
 mod confidence;
 mod finder;
 mod reach;
 mod sight;
 
-pub use channel::{Channel, MAX_EVALUATIONS_PER_STEP, SearchState};
+pub use channel::Channel;
 pub use confidence::{Confidence, EVALUATIONS_PER_CONFIDENCE};
 pub use finder::{Step, TransitFinder};
+pub(crate) use search::{Lookup, Search};
+pub use search::{MAX_EVALUATIONS_PER_STEP, SearchState};
+pub(crate) use sight::Seen;
 
 use crate::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};

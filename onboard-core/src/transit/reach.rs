@@ -8,6 +8,7 @@ use super::sight::{Motion, Sight};
 use crate::field_of_view::{Caps, FieldOfView, FieldShape};
 use crate::rectangle::Rectangle;
 use crate::sun::RelativeBounds;
+use crate::trigonometry;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use nalgebra::Vector3;
 
@@ -93,40 +94,74 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    pub(super) fn new(motion: &Motion, field: &FieldOfView, bounds: RelativeBounds) -> Self {
-        let in_spin = |v: Vector3<f64>| motion.scan.boresight_in_spin().rotate(v);
-        let centre = in_spin(field.centre().vector());
-        let sin_beta = libm::hypot(centre.x, centre.y);
-        let beta = libm::atan2(sin_beta, centre.z);
-        let reach = field.reach_rad();
-        let alpha = motion.scan.parameters().alpha_rad;
-        let horizon = |seconds: f64| {
-            let margin = bounds.rate * seconds + ROUNDING;
-            let (near, far) = (beta - reach - margin, beta + reach + margin);
-            Horizon {
-                seconds,
-                cos_far: if far >= PI { -2.0 } else { libm::cos(far) - ROUNDING },
-                cos_near: if near <= 0.0 { 2.0 } else { libm::cos(near) + ROUNDING },
-            }
-        };
-        let widest = libm::fmax(reach, LONGEST_MARGIN_RAD);
-        let longest = libm::fmin(
-            TAU / libm::fabs(motion.precession),
-            libm::fmin(widest / bounds.rate, f64::MAX),
-        );
-        let circle_cap =
-            Cap { axis: centre, sin_beta, versine: versine(reach), tolerance: tolerance(reach) };
-        let side = |axis: &Vector3<f64>| {
-            let axis = in_spin(*axis);
-            Cap {
-                axis,
-                sin_beta: libm::hypot(axis.x, axis.y),
-                versine: 1.0,
-                tolerance: tolerance(FRAC_PI_2),
-            }
-        };
+    /// Before a field of view is known.
+    pub(super) const NOTHING: Self = {
+        let zero = Vector3::new(0.0, 0.0, 0.0);
+        let horizon = Horizon { seconds: 0.0, cos_far: 0.0, cos_near: 0.0 };
+        Self {
+            centre: zero,
+            edge: Edge::Circle([Cap { axis: zero, sin_beta: 0.0, versine: 0.0, tolerance: 0.0 }]),
+            core_rad: 0.0,
+            margin_rad: 0.0,
+            gamma_min: 0.0,
+            gamma_max: 0.0,
+            horizons: [horizon; HORIZONS],
+            half_width: None,
+            bounds: RelativeBounds { rate: 0.0, acceleration: 0.0 },
+            longest_step: 0.0,
+            delta_rate: 0.0,
+        }
+    };
+
+    /// Takes up a field of view, in place.
+    #[inline(never)]
+    pub(super) fn set(&mut self, motion: &Motion, field: &FieldOfView, bounds: RelativeBounds) {
+        self.bounds = bounds;
+        self.centre = motion.scan.boresight_in_spin().rotate(field.centre().vector());
         let margin = field.margin_rad();
-        let edge = match (field.caps(), field.rectangle_axes()) {
+        (self.core_rad, self.margin_rad) = match field.shape() {
+            FieldShape::Circle(radius) if margin > 0.0 => (radius, field.reach_rad()),
+            FieldShape::Circle(_) => (0.0, field.reach_rad()),
+            FieldShape::Rectangle(..) => (0.0, margin),
+        };
+        self.longest_step = TAU / 16.0 / (libm::fabs(motion.precession) + libm::fabs(motion.spin));
+        self.delta_rate = libm::fabs(motion.precession) * motion.sin_alpha + bounds.rate;
+        self.set_gates(motion, field.reach_rad());
+        self.set_edge(motion, field);
+    }
+
+    #[inline(never)]
+    fn set_gates(&mut self, motion: &Motion, reach: f64) {
+        let sin_beta = libm::hypot(self.centre.x, self.centre.y);
+        let beta = libm::atan2(sin_beta, self.centre.z);
+        let alpha = motion.scan.parameters().alpha_rad;
+        let rate = self.bounds.rate;
+        let widest = libm::fmax(reach, LONGEST_MARGIN_RAD);
+        let longest =
+            libm::fmin(TAU / libm::fabs(motion.precession), libm::fmin(widest / rate, f64::MAX));
+        for (horizon, share) in self.horizons.iter_mut().zip([1.0, 8.0, 64.0]) {
+            let seconds = longest / share;
+            let margin = rate * seconds + ROUNDING;
+            let (near, far) = (beta - reach - margin, beta + reach + margin);
+            horizon.seconds = seconds;
+            horizon.cos_far = if far >= PI { -2.0 } else { trigonometry::cos(far) - ROUNDING };
+            horizon.cos_near = if near <= 0.0 { 2.0 } else { trigonometry::cos(near) + ROUNDING };
+        }
+        self.gamma_min = libm::fabs(alpha - beta) - reach - ROUNDING;
+        self.gamma_max = PI - libm::fabs(PI - alpha - beta) + reach + ROUNDING;
+        let holds_axis = reach + ROUNDING >= beta || reach + ROUNDING >= PI - beta;
+        self.half_width = (!holds_axis)
+            .then(|| libm::asin(libm::fmin(trigonometry::sin(reach) / sin_beta, 1.0)) + ROUNDING);
+    }
+
+    #[inline(never)]
+    fn set_edge(&mut self, motion: &Motion, field: &FieldOfView) {
+        let in_spin = |v: Vector3<f64>| motion.scan.boresight_in_spin().rotate(v);
+        let centre = self.centre;
+        let (reach, margin) = (field.reach_rad(), field.margin_rad());
+        let sin_beta = libm::hypot(centre.x, centre.y);
+        let side = |axis: &Vector3<f64>| Cap::side(in_spin(*axis));
+        self.edge = match (field.caps(), field.rectangle_axes()) {
             (Caps::Rectangle(_), Some(rectangle)) if margin > 0.0 => Edge::Enlarged(Enlarged {
                 rectangle: Rectangle {
                     x: in_spin(rectangle.x),
@@ -134,37 +169,20 @@ impl Reach {
                     z: centre,
                     ..rectangle
                 },
-                sin_beta: largest_sine(beta, reach - margin),
+                sin_beta: largest_sine(libm::atan2(sin_beta, centre.z), reach - margin),
                 versine: versine(margin),
                 tolerance: tolerance(margin),
             }),
             (Caps::Rectangle([a, b, c, d]), _) => {
                 Edge::Rectangle([side(&a), side(&b), side(&c), side(&d)])
             }
-            (Caps::Circle, _) => Edge::Circle([circle_cap]),
+            (Caps::Circle, _) => Edge::Circle([Cap {
+                axis: centre,
+                sin_beta,
+                versine: versine(reach),
+                tolerance: tolerance(reach),
+            }]),
         };
-        let core_rad = match field.shape() {
-            FieldShape::Circle(radius) if margin > 0.0 => radius,
-            _ => 0.0,
-        };
-        let holds_axis = reach + ROUNDING >= beta || reach + ROUNDING >= PI - beta;
-        Self {
-            centre,
-            edge,
-            core_rad,
-            margin_rad: match field.shape() {
-                FieldShape::Circle(_) => reach,
-                FieldShape::Rectangle(..) => margin,
-            },
-            gamma_min: libm::fabs(alpha - beta) - reach - ROUNDING,
-            gamma_max: PI - libm::fabs(PI - alpha - beta) + reach + ROUNDING,
-            horizons: [horizon(longest), horizon(longest / 8.0), horizon(longest / 64.0)],
-            half_width: (!holds_axis)
-                .then(|| libm::asin(libm::fmin(libm::sin(reach) / sin_beta, 1.0)) + ROUNDING),
-            bounds,
-            longest_step: TAU / 16.0 / (libm::fabs(motion.precession) + libm::fabs(motion.spin)),
-            delta_rate: libm::fabs(motion.precession) * motion.sin_alpha + bounds.rate,
-        }
     }
 
     /// The caps whose intersection the field is; none for an enlarged rectangle.
@@ -187,6 +205,7 @@ impl Reach {
 
     /// Separation in radians for a closeness: from the centre, of an enlarged field from the field
     /// as it was.
+    #[inline(never)]
     pub(super) fn separation_rad(&self, closeness: f64) -> f64 {
         let chord = libm::sqrt(libm::fmax(-0.5 * closeness, 0.0));
         libm::fmax(2.0 * libm::asin(libm::fmin(chord, 1.0)) - self.core_rad, 0.0)
@@ -332,6 +351,7 @@ impl Reach {
     }
 
     /// Seconds until the field's azimuth about the spin axis can match the target's.
+    #[inline(never)]
     fn spin_gate(&self, motion: &Motion, sight: &Sight) -> f64 {
         let Some(half_width) = self.half_width else { return 0.0 };
         let (e, w) = (self.centre, sight.direction);
@@ -348,7 +368,7 @@ impl Reach {
             0.5 * pole / self.delta_rate,
         );
         let closest_to_pole = pole - self.delta_rate * horizon;
-        let (sin, cos) = libm::sincos(closest_to_pole);
+        let (sin, cos) = trigonometry::sin_cos(closest_to_pole);
         let spread = (libm::fabs(motion.precession) * motion.sin_alpha * libm::fabs(cos)
             + self.bounds.rate)
             / libm::fmax(sin, ROUNDING);
@@ -363,6 +383,7 @@ impl Reach {
     }
 
     /// Seconds without an entry by the bound on f''.
+    #[inline(never)]
     fn approach(&self, motion: &Motion, sight: &Sight) -> f64 {
         if let Edge::Enlarged(enlarged) = &self.edge {
             let curvature = self.curvature(motion, sight, enlarged.sin_beta);
@@ -384,6 +405,7 @@ impl Reach {
     /// `n'' = w_a^2 z x (z x n) + 2 w_a w_b z x (s x n) + w_b^2 s x (s x n)`, projected on the target:
     /// at most `w_a^2 sin gamma + 2 |w_a w_b| sin gamma sin beta + w_b^2 sin delta sin beta`; the
     /// target's own motion adds `2 |n'| rate + acceleration`.
+    #[inline(never)]
     fn curvature(&self, motion: &Motion, sight: &Sight, sin_beta: f64) -> f64 {
         let (a, b) = (libm::fabs(motion.precession), libm::fabs(motion.spin));
         let sin_gamma = libm::fmin(sight.sin_gamma + self.bounds.rate * self.longest_step, 1.0);
@@ -396,6 +418,13 @@ impl Reach {
 }
 
 impl Cap {
+    /// A side of a rectangle, by the pole of its great circle.
+    #[inline(never)]
+    fn side(axis: Vector3<f64>) -> Self {
+        let sin_beta = libm::hypot(axis.x, axis.y);
+        Self { axis, sin_beta, versine: 1.0, tolerance: tolerance(FRAC_PI_2) }
+    }
+
     /// f = cos(separation) - cos r, and its derivative.
     fn depth(&self, sight: &Sight) -> (f64, f64) {
         let (closeness, rate) = closeness(&self.axis, sight);
@@ -466,6 +495,7 @@ impl Enlarged {
 }
 
 /// Seconds back to f = 0 where f' has the sign given; 0 or infinity where Newton cannot tell.
+#[inline(never)]
 fn newton((depth, rate): (f64, f64), sense: f64) -> f64 {
     if rate * sense > 0.0 {
         libm::fmax(depth / rate, 0.0)
@@ -481,7 +511,7 @@ fn largest_sine(beta: f64, reach: f64) -> f64 {
     if libm::fabs(beta - FRAC_PI_2) <= reach {
         return 1.0;
     }
-    libm::fmax(libm::sin(beta - reach), libm::sin(beta + reach))
+    libm::fmax(trigonometry::sin(beta - reach), trigonometry::sin(beta + reach))
 }
 
 /// Angle between two unit vectors.
@@ -495,6 +525,7 @@ fn squared(v: &Vector3<f64>) -> f64 {
 }
 
 /// `e . w - 1` from the chord, so that small separations keep their digits, and its derivative.
+#[inline(never)]
 fn closeness(axis: &Vector3<f64>, sight: &Sight) -> (f64, f64) {
     let chord = axis - sight.direction;
     let squared = chord.x * chord.x + chord.y * chord.y + chord.z * chord.z;
@@ -504,16 +535,17 @@ fn closeness(axis: &Vector3<f64>, sight: &Sight) -> (f64, f64) {
 
 /// `1 - cos r`.
 fn versine(radius: f64) -> f64 {
-    let sin = libm::sin(0.5 * radius);
+    let sin = trigonometry::sin(0.5 * radius);
     2.0 * sin * sin
 }
 
 /// The separation tolerance expressed in f, with a floor for rounding.
 fn tolerance(radius: f64) -> f64 {
-    SEPARATION_TOLERANCE_RAD * libm::fabs(libm::sin(radius)) + 2e-15 * versine(radius)
+    SEPARATION_TOLERANCE_RAD * libm::fabs(trigonometry::sin(radius)) + 2e-15 * versine(radius)
 }
 
 /// Seconds h up to which `f + f' h + M h^2/2` stays below `tolerance`, for f <= 0.
+#[inline(never)]
 fn crossing_free(f: f64, rate: f64, curvature: f64, tolerance: f64) -> f64 {
     let missing = tolerance - f;
     let root = libm::sqrt(rate * rate + 2.0 * curvature * missing);

@@ -6,6 +6,7 @@ use crate::frame::{AntiSun, Ecliptic};
 use crate::scan::ScanStrategy;
 use crate::sun::{AntiSunAxes, SunModel};
 use crate::time::Instant;
+use crate::trigonometry;
 use nalgebra::Vector3;
 
 /// The scanning strategy with its trigonometry done once.
@@ -21,16 +22,21 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    pub(super) fn new(scan: &ScanStrategy) -> Self {
-        let parameters = scan.parameters();
-        let (sin_alpha, cos_alpha) = libm::sincos(parameters.alpha_rad);
-        Self {
-            scan: *scan,
-            sin_alpha,
-            cos_alpha,
-            precession: parameters.precession.rate.radians_per_second(),
-            spin: parameters.spin.rate.radians_per_second(),
-        }
+    /// Before a strategy is known.
+    pub(super) const NOTHING: Self = Self {
+        scan: ScanStrategy::STILL,
+        sin_alpha: 0.0,
+        cos_alpha: 1.0,
+        precession: 0.0,
+        spin: 0.0,
+    };
+
+    /// Takes up a strategy, in place.
+    #[inline(never)]
+    pub(super) fn set(&mut self, scan: &ScanStrategy) {
+        self.scan = *scan;
+        (self.sin_alpha, self.cos_alpha) = trigonometry::sin_cos(scan.parameters().alpha_rad);
+        (self.precession, self.spin) = scan.rates_rad_s();
     }
 }
 
@@ -39,7 +45,7 @@ impl Motion {
 /// Evaluated apart from [`Sight`], so that the sines, which need the most stack, are taken while
 /// little else lies on it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seen {
+pub(crate) struct Seen {
     /// Sun to spacecraft.
     anti_sun: DirectionState<Ecliptic>,
     /// In the anti-Sun frame.
@@ -50,7 +56,7 @@ pub(super) struct Seen {
 
 impl Seen {
     /// Before the first evaluation.
-    pub(super) const NOTHING: Self = Self {
+    pub(crate) const NOTHING: Self = Self {
         anti_sun: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
         target: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
         sines: [(0.0, 1.0); 2],

@@ -123,20 +123,10 @@ pub struct Counts {
     pub avoidance: u16,
 }
 
-/// The bytes before the telescopes, read.
-struct Fixed {
-    parameters: ScanParameters,
-    sun: SunRecord,
-    counts: Counts,
-    detector_radius_rad: f64,
-}
-
 /// A checked mission section in borrowed bytes.
 #[derive(Debug, Clone, Copy)]
 pub struct MissionTable<'a> {
-    strategy: ScanStrategy,
-    sun: SunRecord,
-    detector_radius_rad: f64,
+    fixed: &'a [u8; FIXED_BYTES],
     telescopes: &'a [[u8; TELESCOPE_BYTES]],
     detectors: &'a [[u8; DETECTOR_BYTES]],
     avoidance: &'a [[u8; AVOIDANCE_BYTES]],
@@ -147,24 +137,38 @@ impl<'a> MissionTable<'a> {
     ///
     /// # Errors
     /// [`MissionError`], the first thing found wrong.
+    #[inline(never)]
     pub fn parse(bytes: &'a [u8]) -> Result<Self, MissionError> {
         let short = MissionError::WrongLength;
-        let (fixed, rest) = bytes.split_at_checked(FIXED_BYTES).ok_or(short)?;
-        let Fixed { parameters, sun, counts, detector_radius_rad } = read_fixed(fixed)?;
-        let (telescopes, rest) = records::<TELESCOPE_BYTES>(rest, counts.telescopes)?;
-        let (detectors, rest) = records::<DETECTOR_BYTES>(rest, counts.detectors)?;
-        let (avoidance, rest) = records::<AVOIDANCE_BYTES>(rest, counts.avoidance)?;
+        let (fixed, rest) = bytes.split_first_chunk::<FIXED_BYTES>().ok_or(short)?;
+        let count = |offset| u16_at(fixed, offset).ok_or(short);
+        let (telescopes, rest) = records::<TELESCOPE_BYTES>(rest, count(98)?)?;
+        let (detectors, rest) = records::<DETECTOR_BYTES>(rest, count(100)?)?;
+        let (avoidance, rest) = records::<AVOIDANCE_BYTES>(rest, count(102)?)?;
         if !rest.is_empty() {
             return Err(short);
         }
-        let strategy = ScanStrategy::new(parameters).map_err(MissionError::Scan)?;
-        let table = Self { strategy, sun, detector_radius_rad, telescopes, detectors, avoidance };
-        table.check(counts.telescopes)?;
+        let table = Self { fixed, telescopes, detectors, avoidance };
+        table.check_fixed()?;
+        table.check_records(count(98)?)?;
         Ok(table)
     }
 
+    /// The bytes before the telescopes are legal.
+    #[inline(never)]
+    fn check_fixed(&self) -> Result<(), MissionError> {
+        match u16_at(self.fixed, 96) {
+            Some(0) if field(self.fixed, 72) == Some([0_u8; 24]) => {}
+            Some(1) => {}
+            model => return Err(MissionError::SunModel(model.unwrap_or(0))),
+        }
+        let parameters = self.parameters().ok_or(MissionError::WrongLength)?;
+        ScanStrategy::check(&parameters).map_err(MissionError::Scan)
+    }
+
     /// Every record is legal.
-    fn check(&self, telescopes: u16) -> Result<(), MissionError> {
+    #[inline(never)]
+    fn check_records(&self, telescopes: u16) -> Result<(), MissionError> {
         let mut index = 0_u16;
         for record in self.telescopes {
             let telescope = read_telescope(record, index)?;
@@ -184,7 +188,7 @@ impl<'a> MissionTable<'a> {
         if !self.detectors.is_empty() {
             FieldOfView::circle(
                 Rotation::<Detector, Boresight>::IDENTITY,
-                self.detector_radius_rad,
+                self.detector_radius_rad(),
             )
             .map_err(MissionError::FieldOfView)?;
         }
@@ -196,16 +200,37 @@ impl<'a> MissionTable<'a> {
         Ok(())
     }
 
-    /// The scanning strategy.
+    #[inline(never)]
+    fn parameters(&self) -> Option<ScanParameters> {
+        Some(ScanParameters {
+            start: Instant::from_tai_ns(i64_at(self.fixed, 0)?),
+            alpha_rad: f64_at(self.fixed, 8)?,
+            beta_rad: f64_at(self.fixed, 16)?,
+            precession: rotor_at(self.fixed, 24)?,
+            spin: rotor_at(self.fixed, 48)?,
+        })
+    }
+
+    /// The scanning strategy, made from the bytes at each call: keep it.
     #[must_use]
-    pub const fn strategy(&self) -> &ScanStrategy {
-        &self.strategy
+    pub fn strategy(&self) -> ScanStrategy {
+        // The bytes are there and were checked; the still strategy stands for what cannot be.
+        ScanStrategy::of_checked(self.parameters().unwrap_or(ScanParameters::STILL))
     }
 
     /// Which Sun model the mission uses.
     #[must_use]
-    pub const fn sun_record(&self) -> SunRecord {
-        self.sun
+    pub fn sun_record(&self) -> SunRecord {
+        match (u16_at(self.fixed, 96), rotor_at(self.fixed, 72)) {
+            (Some(1), Some(longitude)) => SunRecord::Circular(longitude),
+            _ => SunRecord::Table,
+        }
+    }
+
+    /// Radius about a listed detector's line of sight, rad.
+    #[must_use]
+    pub fn detector_radius_rad(&self) -> f64 {
+        f64_at(self.fixed, 104).unwrap_or(0.0)
     }
 
     /// The Sun model, on the ephemeris of the same container.
@@ -213,7 +238,7 @@ impl<'a> MissionTable<'a> {
     /// # Errors
     /// [`EphemerisError::NoSuchBody`] when the model needs the table and it has no Sun.
     pub fn sun(&self, table: EphemerisTable<'a>) -> Result<SunModel<'a>, EphemerisError> {
-        match self.sun {
+        match self.sun_record() {
             SunRecord::Table => table.body(SUN).map(SunModel::Table),
             SunRecord::Circular(longitude) => Ok(SunModel::Circular(longitude)),
         }
@@ -238,6 +263,7 @@ impl<'a> MissionTable<'a> {
     /// What a telescope is calibrated through: the `index`-th of its listed detectors' circles, or
     /// its field of view alone when none is listed.
     #[must_use]
+    #[inline(never)]
     pub fn calibration_field(&self, telescope: u16, index: u16) -> Option<FieldOfView> {
         let number = |record: &[u8; DETECTOR_BYTES]| u16_at(record, 32).unwrap_or(u16::MAX);
         let first = self.detectors.partition_point(|record| number(record) < telescope);
@@ -250,7 +276,7 @@ impl<'a> MissionTable<'a> {
             };
         }
         let detector = read_detector(own.get(usize::from(index))?, index).ok()?;
-        FieldOfView::circle(detector.rotation, self.detector_radius_rad).ok()
+        FieldOfView::circle(detector.rotation, self.detector_radius_rad()).ok()
     }
 
     /// The avoidance limits.
@@ -313,6 +339,7 @@ impl TelescopeRecord {
     ///
     /// # Errors
     /// [`FieldOfViewError`] when a size is out of range.
+    #[inline(never)]
     pub fn field_of_view(&self) -> Result<FieldOfView, FieldOfViewError> {
         FieldOfView::new(self.rotation, self.field)
     }
@@ -366,6 +393,7 @@ fn put_rotor(bytes: &mut [u8], offset: usize, rotor: Rotor) {
     put(bytes, offset.wrapping_add(16), rotor.start.bits().to_le_bytes());
 }
 
+#[inline(never)]
 fn rotor_at(bytes: &[u8], offset: usize) -> Option<Rotor> {
     Some(Rotor {
         rate: TurnRate::from_bits(u128_at(bytes, offset)?),
@@ -373,31 +401,7 @@ fn rotor_at(bytes: &[u8], offset: usize) -> Option<Rotor> {
     })
 }
 
-fn read_fixed(bytes: &[u8]) -> Result<Fixed, MissionError> {
-    let short = MissionError::WrongLength;
-    let read = || {
-        Some(ScanParameters {
-            start: Instant::from_tai_ns(i64_at(bytes, 0)?),
-            alpha_rad: f64_at(bytes, 8)?,
-            beta_rad: f64_at(bytes, 16)?,
-            precession: rotor_at(bytes, 24)?,
-            spin: rotor_at(bytes, 48)?,
-        })
-    };
-    let count = |offset| u16_at(bytes, offset).ok_or(short);
-    let sun = match count(96)? {
-        0 if field(bytes, 72) == Some([0_u8; 24]) => SunRecord::Table,
-        1 => SunRecord::Circular(rotor_at(bytes, 72).ok_or(short)?),
-        other => return Err(MissionError::SunModel(other)),
-    };
-    Ok(Fixed {
-        parameters: read().ok_or(short)?,
-        sun,
-        counts: Counts { telescopes: count(98)?, detectors: count(100)?, avoidance: count(102)? },
-        detector_radius_rad: f64_at(bytes, 104).ok_or(short)?,
-    })
-}
-
+#[inline(never)]
 fn read_detector(
     record: &[u8; DETECTOR_BYTES],
     index: u16,
@@ -418,6 +422,7 @@ fn read_avoidance(record: &[u8; AVOIDANCE_BYTES]) -> Option<AvoidanceRecord> {
     (legal && u32_at(record, 12)? == 0).then_some(limit)
 }
 
+#[inline(never)]
 fn read_telescope(
     record: &[u8; TELESCOPE_BYTES],
     index: u16,

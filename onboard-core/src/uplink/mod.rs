@@ -20,7 +20,8 @@
 //!
 //! Method: nothing is believed before its CRC matches; sections lie behind the directory without
 //! gaps, so every byte of the container is covered by a CRC. Each section carries the digest of the
-//! whole set ([`SetDigest`]: CRC-64/XZ over all contents), so that one exchanged for another set's
+//! whole set ([`SetDigest`]: CRC-64/XZ over the length and the CRC-32 of each section's contents, u32
+//! each), so that one exchanged for another set's
 //! is refused even where its own CRC was made to match.
 //!
 //! [`Tables`] is a container with its sections checked against each other, [`Slots`] the two places
@@ -45,7 +46,7 @@ pub use tables::{TableError, Tables};
 
 use crate::bytes::{field, i64_at, put, span, u16_at, u32_at, u64_at};
 use crate::time::Instant;
-use crc::{CRC_32_ISO_HDLC, CRC_64_XZ, Crc, Digest};
+use crc::{CRC_32_ISO_HDLC, CRC_64_XZ, Crc, Digest, NoTable};
 
 /// First bytes of every container.
 pub const MAGIC: [u8; 8] = *b"GYRFALCN";
@@ -61,7 +62,8 @@ pub const MAX_SECTIONS: u16 = 8;
 pub const DIGEST_BYTES: usize = 8;
 
 static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-static SET_CHECKSUM: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+/// Without a look-up table: eight bytes per section do not deserve one.
+static SET_CHECKSUM: Crc<u64, NoTable> = Crc::<u64, NoTable>::new(&CRC_64_XZ);
 
 /// What a section holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -135,7 +137,7 @@ pub struct Container<'a> {
 
 /// The digest of a set's contents, section after section in the directory's order.
 #[derive(Clone)]
-pub struct SetDigest(Digest<'static, u64>);
+pub struct SetDigest(Digest<'static, u64, NoTable>);
 
 impl core::fmt::Debug for SetDigest {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
@@ -157,8 +159,11 @@ impl SetDigest {
     }
 
     /// Takes in the next section's contents.
+    #[inline(never)]
     pub fn update(&mut self, contents: &[u8]) {
-        self.0.update(contents);
+        let length = u32::try_from(contents.len()).unwrap_or(u32::MAX);
+        self.0.update(&length.to_le_bytes());
+        self.0.update(&checksum(contents).to_le_bytes());
     }
 
     /// The digest of all contents taken in.
@@ -170,6 +175,7 @@ impl SetDigest {
 
 /// CRC-32 of bytes, as the container uses it.
 #[must_use]
+#[inline(never)]
 pub fn checksum(bytes: &[u8]) -> u32 {
     CHECKSUM.checksum(bytes)
 }
@@ -220,6 +226,7 @@ impl<'a> Container<'a> {
     ///
     /// # Errors
     /// [`UplinkError`], the first thing found wrong.
+    #[inline(never)]
     pub fn parse(bytes: &'a [u8]) -> Result<Self, UplinkError> {
         let short = UplinkError::Truncated(64);
         let (header, rest) = bytes.split_first_chunk::<HEADER_BYTES>().ok_or(short)?;
@@ -266,6 +273,7 @@ impl<'a> Container<'a> {
     }
 
     /// The digest of the contents, which every section must carry.
+    #[inline(never)]
     fn check_set(&self) -> Result<u64, UplinkError> {
         let mut digest = SetDigest::new();
         for (_, offset, size, _) in self.directory.iter().filter_map(read_entry) {
@@ -286,6 +294,7 @@ impl<'a> Container<'a> {
     }
 
     /// Sections follow one another from the directory's end to the container's, each with its CRC.
+    #[inline(never)]
     fn check_sections(&self, length: u32) -> Result<(), UplinkError> {
         let bad = UplinkError::BadDirectory;
         let entries = u32::try_from(self.directory.len()).map_err(|_| bad)?;
@@ -338,6 +347,7 @@ impl<'a> Container<'a> {
 }
 
 /// Kind, offset, length and CRC of a directory entry; `None` when its spare bytes are not zero.
+#[inline(never)]
 fn read_entry(entry: &[u8; ENTRY_BYTES]) -> Option<(u16, u32, u32, u32)> {
     let spare = u16_at(entry, 2)?;
     let fields = (u16_at(entry, 0)?, u32_at(entry, 4)?, u32_at(entry, 8)?, u32_at(entry, 12)?);

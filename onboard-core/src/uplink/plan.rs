@@ -74,6 +74,7 @@ impl SessionRecord {
 
     /// Reads a session; `None` when its times run backwards or spare bytes are not zero.
     #[must_use]
+    #[inline(never)]
     pub fn from_le_bytes(bytes: &[u8; SESSION_BYTES]) -> Option<Self> {
         let instant = |offset| i64_at(bytes, offset).map(Instant::from_tai_ns);
         let session = Self {
@@ -101,6 +102,7 @@ impl<'a> PlanTable<'a> {
     ///
     /// # Errors
     /// [`PlanError`], the first thing found wrong.
+    #[inline(never)]
     pub fn parse(bytes: &'a [u8]) -> Result<Self, PlanError> {
         let count = u32_at(bytes, 0).ok_or(PlanError::WrongLength)?;
         let rest = bytes.get(8..).ok_or(PlanError::WrongLength)?;

@@ -10,7 +10,10 @@
 //!
 //! A slot may be longer than its container.
 
-use super::{Container, HEADER_BYTES, Header, MAGIC, RollbackOrder, TableError, Tables, checksum};
+use super::{
+    Container, HEADER_BYTES, Header, MAGIC, RollbackOrder, TableError, Tables, UplinkError,
+    checksum,
+};
 use crate::bytes::{field, put, span, u32_at};
 use crate::time::Instant;
 
@@ -120,6 +123,7 @@ impl<'a> Slots<'a> {
     ///
     /// # Errors
     /// [`SlotError`], why it holds none.
+    #[inline(never)]
     pub fn tables(&self, slot: Slot) -> Result<Tables<'a>, SlotError> {
         let container = self.container(slot)?;
         Tables::from_container(&container).map_err(SlotError::Unsound)
@@ -130,26 +134,35 @@ impl<'a> Slots<'a> {
     /// # Errors
     /// [`NoTables`] when neither slot holds any.
     pub fn active(&self) -> Result<Active<'a>, NoTables> {
+        let Some(slot) = self.active_slot() else {
+            let why = |slot| self.refusal(slot).unwrap_or(SlotError::Unsound(UNREADABLE));
+            return Err(NoTables { a: why(Slot::A), b: why(Slot::B) });
+        };
+        match self.tables(slot) {
+            Ok(tables) => Ok(Active { slot, tables }),
+            Err(error) => Err(NoTables { a: error, b: error }),
+        }
+    }
+
+    /// The slot of the newest sound tables.
+    #[inline(never)]
+    fn active_slot(&self) -> Option<Slot> {
         // The newer container first; the other only where the newer one's tables are unsound.
-        let first = match (self.sequence(Slot::A), self.sequence(Slot::B)) {
+        let newer = match (self.sequence(Slot::A), self.sequence(Slot::B)) {
             (a, Some(b)) if a.is_none_or(|a| b > a) => Slot::B,
             _ => Slot::A,
         };
-        let newer = match self.tables(first) {
-            Ok(tables) => return Ok(Active { slot: first, tables }),
-            Err(error) => error,
-        };
-        let older = match self.tables(first.other()) {
-            Ok(tables) => return Ok(Active { slot: first.other(), tables }),
-            Err(error) => error,
-        };
-        Err(match first {
-            Slot::A => NoTables { a: newer, b: older },
-            Slot::B => NoTables { a: older, b: newer },
-        })
+        [newer, newer.other()].into_iter().find(|slot| self.refusal(*slot).is_none())
+    }
+
+    /// Why a slot holds no tables.
+    #[inline(never)]
+    fn refusal(&self, slot: Slot) -> Option<SlotError> {
+        self.tables(slot).err()
     }
 
     /// The sequence number of a slot's container.
+    #[inline(never)]
     fn sequence(&self, slot: Slot) -> Option<u32> {
         self.container(slot).ok().map(|container| container.header().sequence)
     }
@@ -164,15 +177,16 @@ impl<'a> Slots<'a> {
     ///
     /// # Errors
     /// [`Refusal`], the reason; the active tables stay.
+    #[inline(never)]
     pub fn admit(&self, candidate: &[u8], now: Instant) -> Result<Slot, Refusal> {
-        let header = *Tables::load(candidate).map_err(Refusal::Unsound)?.header();
+        let header = sound_header(candidate)?;
         check_validity(&header, now)?;
         if let Some(newest) = self.newest()
             && header.sequence <= newest
         {
             return Err(Refusal::Older { candidate: header.sequence, newest });
         }
-        let slot = self.active().map_or(Slot::A, |active| active.slot.other());
+        let slot = self.active_slot().map_or(Slot::A, Slot::other);
         let room = self.bytes(slot).len();
         if room < candidate.len() {
             return Err(Refusal::TooLong(room, candidate.len()));
@@ -184,11 +198,12 @@ impl<'a> Slots<'a> {
     ///
     /// # Errors
     /// [`Refusal`], the reason; the active tables stay.
+    #[inline(never)]
     pub fn roll_back(&self, order: &RollbackOrder, now: Instant) -> Result<Slot, Refusal> {
         if now > order.until {
             return Err(Refusal::OrderExpired(order.until));
         }
-        let active = self.active().map_err(|_| Refusal::NothingToReturnTo)?.slot;
+        let active = self.active_slot().ok_or(Refusal::NothingToReturnTo)?;
         match self.sequence(active) {
             Some(sequence) if sequence == order.from => {}
             other => return Err(Refusal::NotActive(other.unwrap_or(0))),
@@ -214,6 +229,15 @@ pub fn revoke(slot: &mut [u8]) -> bool {
     crc.is_some_and(|crc| put(slot, 60, crc.to_le_bytes()))
 }
 
+#[inline(never)]
+fn sound_header(candidate: &[u8]) -> Result<Header, Refusal> {
+    let tables = Tables::load(candidate).map_err(Refusal::Unsound)?;
+    Ok(*tables.header())
+}
+
+/// Stands where a slot's contents change while they are read.
+const UNREADABLE: TableError = TableError::Container(UplinkError::NotAContainer);
+
 fn check_validity(header: &Header, now: Instant) -> Result<(), Refusal> {
     if now > header.valid_until {
         Err(Refusal::Expired(header.valid_until))
@@ -231,6 +255,7 @@ fn image(slot: &[u8]) -> &[u8] {
 
 /// The sequence number of a revoked container whose header is otherwise whole; its CRC may still be
 /// the one from before, when the revoking was cut short.
+#[inline(never)]
 fn revoked_sequence(slot: &[u8]) -> Option<u32> {
     if field(slot, 0) != Some(REVOKED) {
         return None;

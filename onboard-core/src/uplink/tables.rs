@@ -5,9 +5,10 @@
 //! validity, and its telescope is in the mission. A container without a plan has no sessions.
 
 use super::{
-    Container, Header, MissionError, MissionTable, PlanError, PlanTable, SectionKind, UplinkError,
+    Container, Header, MissionError, MissionTable, PlanError, PlanTable, SectionKind, SunRecord,
+    UplinkError,
 };
-use crate::ephemeris::{BodyTable, EphemerisError, EphemerisTable};
+use crate::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SUN};
 use crate::sun::SunModel;
 
 /// Why a container's contents are refused.
@@ -37,7 +38,6 @@ pub struct Tables<'a> {
     ephemeris: EphemerisTable<'a>,
     mission: MissionTable<'a>,
     plan: PlanTable<'a>,
-    sun: SunModel<'a>,
 }
 
 impl<'a> Tables<'a> {
@@ -49,6 +49,7 @@ impl<'a> Tables<'a> {
         Self::from_container(&Container::parse(bytes).map_err(TableError::Container)?)
     }
 
+    #[inline(never)]
     pub(super) fn from_container(container: &Container<'a>) -> Result<Self, TableError> {
         let section = |kind| container.section(kind).map_err(TableError::Container);
         let ephemeris = EphemerisTable::parse(section(SectionKind::Ephemeris)?)
@@ -59,22 +60,21 @@ impl<'a> Tables<'a> {
             Ok(bytes) => PlanTable::parse(bytes).map_err(TableError::Plan)?,
             Err(_) => PlanTable::EMPTY,
         };
-        let sun = mission.sun(ephemeris).map_err(TableError::Ephemeris)?;
         let tables = Self {
             header: container.header(),
             set_digest: container.set_digest(),
             ephemeris,
             mission,
             plan,
-            sun,
         };
         tables.check()?;
         Ok(tables)
     }
 
+    #[inline(never)]
     fn check(&self) -> Result<(), TableError> {
-        if let SunModel::Table(body) = self.sun {
-            self.check_coverage(crate::ephemeris::SUN, body)?;
+        if self.mission.sun_record() == SunRecord::Table {
+            self.check_body(SUN)?;
         }
         for limit in self.mission.avoidance() {
             self.check_body(limit.body)?;
@@ -97,6 +97,7 @@ impl<'a> Tables<'a> {
         self.check_coverage(number, self.ephemeris.body(number).map_err(TableError::Ephemeris)?)
     }
 
+    #[inline(never)]
     fn check_coverage(&self, number: i32, body: BodyTable<'a>) -> Result<(), TableError> {
         match body.coverage() {
             Some((from, until))
@@ -139,8 +140,10 @@ impl<'a> Tables<'a> {
     }
 
     /// The Sun model on this ephemeris.
-    #[must_use]
-    pub const fn sun(&self) -> SunModel<'a> {
-        self.sun
+    ///
+    /// # Errors
+    /// None on loaded tables: [`EphemerisError::NoSuchBody`] was ruled out.
+    pub fn sun(&self) -> Result<SunModel<'a>, EphemerisError> {
+        self.mission.sun(self.ephemeris)
     }
 }

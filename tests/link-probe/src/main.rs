@@ -22,6 +22,7 @@ use onboard_core::detector::detector_at;
 use onboard_core::direction::{Direction, DirectionState, MotionBounds};
 use onboard_core::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SPAN_BYTES, Span};
 use onboard_core::field_of_view::{FieldOfView, FieldOfViewError, FieldShape};
+use onboard_core::forecast::{Forecast, ForecastStep, NextVisit};
 use onboard_core::frame::{AntiSun, Boresight, Detector, Ecliptic, Icrf, Spin, Telescope};
 use onboard_core::hwp::hwp_phase;
 use onboard_core::phase::{Phase, Rotor, TurnRate};
@@ -65,7 +66,8 @@ type Bytes = &'static [u8];
 const MAX_EVENTS: usize = 65_536;
 type Attitude = Rotation<Detector, Ecliptic>;
 
-/// One `extern "C"` function per line: arguments read from pointers, the result written to one.
+/// One `extern "C"` function per line: arguments read from pointers, the result written where the
+/// caller says.
 ///
 /// Large arguments are `&'static`, so that no copy of them counts as stack. A function with const
 /// parameters stands twice: `name__1` at capacity 1, `name__max` at the largest.
@@ -73,11 +75,12 @@ macro_rules! probes {
     ($($name:ident ($($arg:ident: $kind:ty),*) -> $out:ty $body:block)*) => {
         $(
             #[unsafe(no_mangle)]
-            unsafe extern "C" fn $name($($arg: *const $kind,)* out: *mut $out) {
+            #[allow(improper_ctypes_definitions, reason = "nobody calls it from C")]
+            unsafe extern "C" fn $name($($arg: *const $kind),*) -> $out {
                 // SAFETY: never called; the pointers stand for any valid ones.
                 unsafe {
                     $(let $arg = $arg.read();)*
-                    out.write($body);
+                    $body
                 }
             }
         )*
@@ -200,7 +203,7 @@ probes! {
     tracker_refused_in_a_row(tracker: *const Tracker) -> u32 { (&*tracker).refused_in_a_row() }
     tracker_covariance_at(tracker: *const Tracker, at: Instant) -> ScanCovariance { (&*tracker).covariance_at(at) }
     tracker_rate_sigmas_rad_s(tracker: *const Tracker) -> [f64; 2] { (&*tracker).rate_sigmas_rad_s() }
-    tracker_update(tracker: *mut Tracker, sun: SunModel<'static>, measurement: Measurement, now: Instant) -> Result<Residuals, MeasurementRefusal> { (&mut *tracker).update(&sun, &measurement, now) }
+    tracker_update(tracker: &'static mut Tracker, sun: &'static SunModel<'static>, measurement: &'static Measurement, now: Instant) -> Result<Residuals, MeasurementRefusal> { tracker.update(sun, measurement, now) }
 
     channel_new(scan: &'static ScanStrategy, sun: &'static SunModel<'static>, target: BodyTable<'static>, field: &'static FieldOfView, span: (Instant, Instant)) -> Channel<'static> { Channel::new(scan, *sun, target, field, span) }
     channel_state(channel: &'static Channel<'static>) -> SearchState { channel.state() }
@@ -229,14 +232,18 @@ probes! {
     bins_slot(bins: Bins, seconds: f64, count: usize) -> BinSlot { bins.slot(seconds, count) }
     histogram_total__1(histogram: &'static Histogram<1>) -> u32 { histogram.total() }
     histogram_total__max(histogram: &'static Histogram<64>) -> u32 { histogram.total() }
-    visit_log_new__1(divisions: &'static Divisions) -> VisitLog<1, 1> { VisitLog::new(*divisions) }
-    visit_log_new__max(divisions: &'static Divisions) -> VisitLog<32, 64> { VisitLog::new(*divisions) }
-    visit_log_record__1(log: &'static mut VisitLog<1, 1>, target: usize, transit: &'static Transit) -> Result<(), VisitError> { log.record(target, transit) }
-    visit_log_record__max(log: &'static mut VisitLog<32, 64>, target: usize, transit: &'static Transit) -> Result<(), VisitError> { log.record(target, transit) }
-    visit_log_targets__1(log: &'static VisitLog<1, 1>) -> *const [TargetVisits<1>; 1] { log.targets() }
-    visit_log_targets__max(log: &'static VisitLog<32, 64>) -> *const [TargetVisits<64>; 32] { log.targets() }
-    visit_log_divisions__1(log: &'static VisitLog<1, 1>) -> Divisions { *log.divisions() }
-    visit_log_divisions__max(log: &'static VisitLog<32, 64>) -> Divisions { *log.divisions() }
+    visit_log_new__1(divisions: &'static Divisions, targets: *mut [TargetVisits<1>]) -> VisitLog<'static, 1> { VisitLog::new(divisions, &mut *targets) }
+    visit_log_new__max(divisions: &'static Divisions, targets: *mut [TargetVisits<64>]) -> VisitLog<'static, 64> { VisitLog::new(divisions, &mut *targets) }
+    visit_log_record__1(log: &'static mut VisitLog<'static, 1>, target: usize, transit: &'static Transit) -> Result<(), VisitError> { log.record(target, transit) }
+    visit_log_record__max(log: &'static mut VisitLog<'static, 64>, target: usize, transit: &'static Transit) -> Result<(), VisitError> { log.record(target, transit) }
+    visit_log_targets__1(log: &'static VisitLog<'static, 1>) -> usize { log.targets().len() }
+    visit_log_targets__max(log: &'static VisitLog<'static, 64>) -> usize { log.targets().len() }
+    visit_log_divisions__1(log: &'static VisitLog<'static, 1>) -> Divisions { *log.divisions() }
+    visit_log_divisions__max(log: &'static VisitLog<'static, 64>) -> Divisions { *log.divisions() }
+
+    forecast_new(channels: *mut [Channel<'static>], next: *mut [Option<NextVisit>]) -> Forecast<'static, 'static, 'static> { Forecast::new(&mut *channels, &mut *next) }
+    forecast_next(forecast: &'static Forecast<'static, 'static, 'static>) -> usize { forecast.next().len() }
+    forecast_step(forecast: &'static mut Forecast<'static, 'static, 'static>, covariance: &'static ScanCovariance) -> ForecastStep { forecast.step(|_| *covariance) }
 
     checksum_probe(bytes: Bytes) -> u32 { checksum(bytes) }
     entry_to_le_bytes_probe(kind: SectionKind, offset: u32, length: u32, crc: u32) -> [u8; 16] { entry_to_le_bytes(kind, offset, length, crc) }
@@ -250,7 +257,8 @@ probes! {
     set_digest_value(digest: SetDigest) -> u64 { digest.value() }
     container_section(container: Container<'static>, kind: SectionKind) -> Result<Bytes, UplinkError> { container.section(kind) }
     mission_table_parse(bytes: Bytes) -> Result<MissionTable<'static>, MissionError> { MissionTable::parse(bytes) }
-    mission_table_strategy(table: *const MissionTable<'static>) -> ScanStrategy { *(&*table).strategy() }
+    mission_table_strategy(table: *const MissionTable<'static>) -> ScanStrategy { (&*table).strategy() }
+    mission_table_detector_radius_rad(table: *const MissionTable<'static>) -> f64 { (&*table).detector_radius_rad() }
     mission_table_sun_record(table: *const MissionTable<'static>) -> SunRecord { (&*table).sun_record() }
     mission_table_telescope(table: *const MissionTable<'static>, index: u16) -> Option<TelescopeRecord> { (&*table).telescope(index) }
     mission_table_detectors(table: *const MissionTable<'static>) -> u64 { (&*table).detectors().fold(0, |sum, detector| sum ^ u64::from(detector.telescope)) }
@@ -275,14 +283,14 @@ probes! {
     tables_header(tables: *const Tables<'static>) -> Header { *(&*tables).header() }
     tables_set_digest(tables: *const Tables<'static>) -> u64 { (&*tables).set_digest() }
     tables_ephemeris(tables: *const Tables<'static>) -> EphemerisTable<'static> { (&*tables).ephemeris() }
-    tables_mission(tables: *const Tables<'static>) -> ScanStrategy { *(&*tables).mission().strategy() }
+    tables_mission(tables: *const Tables<'static>) -> ScanStrategy { (&*tables).mission().strategy() }
     tables_plan(tables: *const Tables<'static>) -> PlanTable<'static> { (&*tables).plan() }
-    tables_sun(tables: *const Tables<'static>) -> SunModel<'static> { (&*tables).sun() }
+    tables_sun(tables: *const Tables<'static>) -> Result<SunModel<'static>, EphemerisError> { (&*tables).sun() }
     slot_other(slot: Slot) -> Slot { slot.other() }
-    slots_tables(slots: Slots<'static>, slot: Slot) -> Result<Tables<'static>, SlotError> { slots.tables(slot) }
-    slots_active(slots: Slots<'static>) -> Result<Active<'static>, NoTables> { slots.active() }
-    slots_admit(slots: Slots<'static>, candidate: Bytes, now: Instant) -> Result<Slot, Refusal> { slots.admit(candidate, now) }
-    slots_roll_back(slots: Slots<'static>, order: RollbackOrder, now: Instant) -> Result<Slot, Refusal> { slots.roll_back(&order, now) }
+    slots_tables(slots: &'static Slots<'static>, slot: Slot) -> Result<Tables<'static>, SlotError> { slots.tables(slot) }
+    slots_active(slots: &'static Slots<'static>) -> Result<Active<'static>, NoTables> { slots.active() }
+    slots_admit(slots: &'static Slots<'static>, candidate: Bytes, now: Instant) -> Result<Slot, Refusal> { slots.admit(candidate, now) }
+    slots_roll_back(slots: &'static Slots<'static>, order: &'static RollbackOrder, now: Instant) -> Result<Slot, Refusal> { slots.roll_back(order, now) }
     revoke_probe(slot: *mut [u8]) -> bool { revoke(&mut *slot) }
     rollback_order_from_le_bytes(bytes: [u8; ROLLBACK_BYTES]) -> Result<RollbackOrder, RollbackError> { RollbackOrder::from_le_bytes(&bytes) }
     rollback_order_to_le_bytes(order: RollbackOrder) -> [u8; ROLLBACK_BYTES] { order.to_le_bytes() }
