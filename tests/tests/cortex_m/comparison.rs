@@ -97,15 +97,20 @@ impl Sink for Words {
     }
 }
 
-struct Fields(BTreeMap<&'static str, u64>);
+struct Fields {
+    words: BTreeMap<&'static str, u64>,
+    block: usize,
+}
 
 impl Sink for Fields {
-    fn block(&mut self, _: u32) {}
+    fn block(&mut self, index: u32) {
+        self.block = index as usize;
+    }
 
     fn item(&mut self, _: i64) {}
 
     fn word(&mut self, field: &'static str, _: u64) {
-        *self.0.entry(field).or_default() += 1;
+        *self.words.entry(field).or_default() += 1;
     }
 }
 
@@ -114,10 +119,14 @@ impl Sink for Fields {
 /// # Errors
 /// Where the input is malformed.
 pub fn fields(input: &Input) -> Result<BTreeMap<&'static str, u64>, Failed> {
-    let mut fields = Fields(BTreeMap::new());
+    let mut fields = Fields { words: BTreeMap::new(), block: 0 };
     match vectors::run(&input.bytes, &mut vec![0; 256 << 10], &|| 0, &mut fields) {
-        Ok(()) => Ok(fields.0),
-        Err(error) => Err(format!("the host refuses the vector file: {error:?}").into()),
+        Ok(()) => Ok(fields.words),
+        Err(error) => Err(format!(
+            "the host refuses '{}': {error:?}, after {:?}",
+            input.names[fields.block], fields.words
+        )
+        .into()),
     }
 }
 

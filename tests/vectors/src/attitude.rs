@@ -7,6 +7,7 @@ use crate::reader::Reader;
 use crate::sink::Sink;
 use crate::tables::Loaded;
 use onboard_core::attitude::{attitude, sweep};
+use onboard_core::frame::{Boresight, Detector};
 use onboard_core::hwp::hwp_phase;
 
 /// Evaluates at every instant, the Sun afresh each time.
@@ -16,7 +17,7 @@ use onboard_core::hwp::hwp_phase;
 pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed> {
     let loaded = Loaded::read(block.sized()?)?;
     let (scan, sun) = (loaded.mission.strategy(), loaded.sun()?);
-    let detector = block.detector()?;
+    let detector = block.rotation::<Detector, Boresight>()?;
     while !block.is_empty() {
         let at = block.instant()?;
         sink.item(at.tai_ns());
