@@ -55,7 +55,7 @@ pub struct ScanStrategy {
     parameters: ScanParameters,
     /// Sine and cosine of alpha / 2.
     half_alpha: (f64, f64),
-    boresight_in_spin: Rotation<Boresight, Spin>,
+    half_beta: (f64, f64),
     /// Signed precession and spin rates in rad/s.
     rates_rad_s: (f64, f64),
 }
@@ -92,7 +92,7 @@ impl ScanStrategy {
         Ok(Self {
             parameters,
             half_alpha: libm::sincos(0.5 * alpha),
-            boresight_in_spin: Rotation::about_y(beta),
+            half_beta: libm::sincos(0.5 * beta),
             rates_rad_s: (
                 parameters.precession.rate.radians_per_second(),
                 parameters.spin.rate.radians_per_second(),
@@ -132,7 +132,13 @@ impl ScanStrategy {
     /// The fixed rotation from [`Boresight`] to [`Spin`]: `R_y(beta)`.
     #[must_use]
     pub const fn boresight_in_spin(&self) -> Rotation<Boresight, Spin> {
-        self.boresight_in_spin
+        let (sin, cos) = self.half_beta;
+        Rotation::from_parts(0.0, sin, 0.0, cos)
+    }
+
+    /// Sine and cosine of half of beta.
+    pub(crate) const fn half_beta(&self) -> (f64, f64) {
+        self.half_beta
     }
 
     /// Signed precession and spin rates in rad/s.

@@ -121,8 +121,7 @@ fn rollbacks(orders: &mut Orders) {
     orders.write(0, 1);
     orders.write(1, 2);
     let to_digest = Tables::load(&orders.images[1]).expect("a good image").set_digest();
-    let order =
-        RollbackOrder { from: 3, to: 2, to_digest, until: Instant::from_tai_ns(NOW + 100) };
+    let order = RollbackOrder { from: 3, to: 2, to_digest, until: Instant::from_tai_ns(NOW + 100) };
     let good = order.to_le_bytes();
     let mut flipped = good;
     flipped[20] ^= 1;

@@ -27,8 +27,7 @@ pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed
     let into_boresight = attitude(scan, &sun, times.0).map_err(|_| Malformed)?.inverse();
     let mut channels = Vec::<Channel<'_>, MAX_CHANNELS>::new();
     while !block.is_empty() {
-        let limit =
-            AvoidanceLimit::new(block.i32()?, block.f64()?).map_err(|_| Malformed)?;
+        let limit = AvoidanceLimit::new(block.i32()?, block.f64()?).map_err(|_| Malformed)?;
         let body = loaded.ephemeris.body(limit.body()).map_err(|_| Malformed)?;
         let field = field(block, &loaded)?;
         let seen = into_boresight.apply(body.state(times.0).map_err(|_| Malformed)?.direction);
@@ -36,9 +35,9 @@ pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed
         sink.word("violated", limit.is_violated(&field, seen).into());
         match limit.zone(&field) {
             Zone::Everywhere => sink.word("hopeless limit", 1),
-            Zone::Inside(zone) => channels
-                .push(Channel::new(scan, sun, body, &zone, times))
-                .map_err(|_| Malformed)?,
+            Zone::Inside(zone) => {
+                channels.push(Channel::new(scan, sun, body, &zone, times)).map_err(|_| Malformed)?
+            }
         }
     }
     let mut finder = AvoidanceFinder::new(&mut channels);

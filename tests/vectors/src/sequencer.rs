@@ -103,13 +103,8 @@ pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed
     for _ in 0..block.u32()? {
         containers.push(block.sized()?).map_err(|_| Malformed)?;
     }
-    let mut flight = Flight {
-        sequencer,
-        events: EventQueue::new(),
-        clock: None,
-        tables: None,
-        strategy: None,
-    };
+    let mut flight =
+        Flight { sequencer, events: EventQueue::new(), clock: None, tables: None, strategy: None };
     while !block.is_empty() {
         match block.u32()? {
             0 => {

@@ -62,12 +62,8 @@ fn sequencer(
     let mut events = EventQueue::<4>::new();
     let (mut idle, mut checking) = (Measured::default(), Measured::default());
     for _ in 0..block.u32()? {
-        let situation = Situation {
-            ticks,
-            clock: Some(&correlation),
-            tables: Some(&tables),
-            strategy: None,
-        };
+        let situation =
+            Situation { ticks, clock: Some(&correlation), tables: Some(&tables), strategy: None };
         let before = clock();
         let tick = sequencer.tick(black_box(&situation), black_box(&mut events));
         let after = clock();

@@ -103,12 +103,6 @@ fn strategy(scan: &ScanStrategy, sink: &mut impl Sink) {
 }
 
 fn covariance(covariance: &ScanCovariance, sink: &mut impl Sink) {
-    sink.numbers(
-        ["precession variance", "alpha variance", "spin variance"],
-        covariance.variances,
-    );
-    sink.numbers(
-        ["precession-alpha", "precession-spin", "alpha-spin"],
-        covariance.covariances,
-    );
+    sink.numbers(["precession variance", "alpha variance", "spin variance"], covariance.variances);
+    sink.numbers(["precession-alpha", "precession-spin", "alpha-spin"], covariance.covariances);
 }

@@ -26,8 +26,7 @@ fn bins(spacing: Spacing, block: &mut Reader<'_>) -> Result<Bins, Malformed> {
 /// [`Malformed`] where something is illegal or the search fails.
 pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed> {
     let loaded = Loaded::read(block.sized()?)?;
-    let covariance =
-        ScanCovariance { variances: block.numbers()?, covariances: block.numbers()? };
+    let covariance = ScanCovariance { variances: block.numbers()?, covariances: block.numbers()? };
     let divisions = Divisions {
         dwell: bins(Spacing::Linear, block)?,
         revisit: bins(Spacing::Logarithmic, block)?,
