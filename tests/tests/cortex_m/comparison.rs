@@ -130,6 +130,34 @@ pub fn fields(input: &Input) -> Result<BTreeMap<&'static str, u64>, Failed> {
     }
 }
 
+struct Letters<'f> {
+    fields: &'f [&'static str],
+    letters: Vec<u8>,
+}
+
+impl Sink for Letters<'_> {
+    fn block(&mut self, _: u32) {}
+
+    fn item(&mut self, _: i64) {}
+
+    fn word(&mut self, field: &'static str, bits: u64) {
+        if self.fields.contains(&field) {
+            self.letters.extend(bits.to_le_bytes());
+        }
+    }
+}
+
+/// What the host writes as text in these fields.
+///
+/// # Errors
+/// Where the input is malformed.
+pub fn texts(input: &Input, fields: &[&'static str]) -> Result<String, Failed> {
+    let mut sink = Letters { fields, letters: Vec::new() };
+    vectors::run(&input.bytes, &mut vec![0; 256 << 10], &|| 0, &mut sink)
+        .map_err(|error| format!("the host refuses the vector file: {error:?}"))?;
+    Ok(String::from_utf8_lossy(&sink.letters).into_owned())
+}
+
 /// The words that the host makes of an input.
 ///
 /// # Errors

@@ -245,6 +245,50 @@ pub fn metered(tables: &Tables) -> Input {
     input
 }
 
+/// Fields, and what must be told in them.
+const TOLD: [(&[&str], &[&str]); 4] = [
+    (
+        &["event"],
+        &[
+            "Started(",
+            "Ended(",
+            "Setup(",
+            "Calibrating(",
+            "Cooldown(",
+            "Idle",
+            "Missed",
+            "Overlap",
+            "Entry(",
+            "Passes(",
+            "Aborted(",
+            "NoClock",
+            "Expired",
+            "NoTables",
+            "Commanded",
+            "TimeReversed",
+            "TimeJumped",
+            "Tables(3)",
+        ],
+    ),
+    (
+        &["admitted", "no tables", "slot refused"],
+        &["Ok(A)", "Ok(B)", "Unsound", "Older", "Expired", "NotYetValid", "TooLong", "Revoked"],
+    ),
+    (
+        &["order", "rolled back"],
+        &[
+            "NotAnOrder",
+            "Damaged",
+            "NotBack",
+            "OrderExpired",
+            "NotActive",
+            "NothingToReturnTo",
+            "Ok(",
+        ],
+    ),
+    (&["measurement refused"], &["Outlier", "Stale", "NotAfter", "Future", "Sigma"]),
+];
+
 /// Every preset and pair of senses is there with distinct instants over ten years, and the tables
 /// that are refused are refused for many reasons.
 pub fn covers_what_it_must() -> Result<(), Failed> {
@@ -285,6 +329,12 @@ pub fn covers_what_it_must() -> Result<(), Failed> {
         let found = fields.get(field).copied().unwrap_or(0);
         if found < least {
             return Err(format!("{found} words of '{field}', at least {least} wanted").into());
+        }
+    }
+    for (fields, told) in TOLD {
+        let texts = comparison::texts(&input, fields)?;
+        if let Some(missing) = told.iter().find(|it| !texts.contains(**it)) {
+            return Err(format!("no '{missing}' in {fields:?}").into());
         }
     }
     comparison::fields(&metered(&tables))?;

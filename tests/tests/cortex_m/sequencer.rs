@@ -156,7 +156,8 @@ pub fn blocks(input: &mut Input) {
         first_entry: session.first_entry.plus(Duration::from_ns(-5 * SECOND)),
         ..*session
     };
-    let counted = |session: &SessionRecord| SessionRecord { passes: 1, ..*session };
+    let counted =
+        |session: &SessionRecord| SessionRecord { passes: session.passes + 7, ..*session };
     let wrong: Vec<SessionRecord> = sessions
         .iter()
         .enumerate()
@@ -201,8 +202,10 @@ fn disturbances(sessions: &[SessionRecord], start: Instant) -> Flight {
     let ahead = sessions.iter().filter(|it| second(it.start) > 5 * HOUR_S).take(12);
     for (index, session) in ahead.enumerate() {
         // Days without sessions pass at once; the clock's jump is reported.
-        flight.seconds = flight.seconds.max(second(session.start) - 4 * HOUR_S - 600);
-        flight.until((second(session.first_entry) + second(session.last_exit)) / 2);
+        // One session is jumped into and so missed.
+        let arrival = if index == 11 { 600 } else { -4 * HOUR_S - 600 };
+        flight.seconds = flight.seconds.max(second(session.start) + arrival);
+        flight.until(i64::midpoint(second(session.first_entry), second(session.last_exit)));
         match index {
             0 => {
                 flight.clock(NOTHING);

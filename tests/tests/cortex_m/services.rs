@@ -74,7 +74,10 @@ fn tracked(world: &World, ephemeris: &[u8], disturbed: bool) -> Vec<u8> {
                 seen = Rotation::<Boresight, Boresight>::about_x(size).then(seen);
             }
             4 if disturbed => now = now.plus(Duration::from_ns(5 * MINUTE_NS)),
-            5 if disturbed => at = at.plus(Duration::from_ns(-25 * MINUTE_NS)),
+            5 if disturbed => {
+                at = at.plus(Duration::from_ns(-25 * MINUTE_NS));
+                now = at;
+            }
             6 if disturbed => now = at.plus(Duration::from_ns(-MINUTE_NS)),
             8 if disturbed => sigma = 1e-9,
             _ => {}

@@ -3,7 +3,7 @@
 use crate::input::{Input, sized};
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::time::Instant;
-use onboard_core::uplink::{Header, RollbackOrder, SectionKind, Tables};
+use onboard_core::uplink::{Header, RollbackOrder, SectionKind, SessionRecord, Tables};
 use tests::Plain;
 use tests::campaign::{ephemeris, sun, telescope};
 use tests::uplink::{container, mission, plan};
@@ -11,7 +11,18 @@ use tests::uplink::{container, mission, plan};
 const ROOM: usize = 1000;
 const NOW: i64 = 500;
 
-fn image(sequence: u32, until: i64) -> Vec<u8> {
+fn image(sequence: u32, until: i64, sessions: usize) -> Vec<u8> {
+    let at = Instant::from_tai_ns(1);
+    let session = SessionRecord {
+        start: at,
+        end: at,
+        first_entry: at,
+        last_exit: at,
+        body: 5,
+        turn: 0,
+        telescope: 0,
+        passes: 1,
+    };
     let header = Header {
         sequence,
         valid_from: Instant::from_tai_ns(0),
@@ -21,7 +32,7 @@ fn image(sequence: u32, until: i64) -> Vec<u8> {
     let contents: [(SectionKind, &[u8]); 3] = [
         (SectionKind::Ephemeris, &ephemeris()),
         (SectionKind::Mission, &mission(&Plain::LITEBIRD, sun(), &[telescope()])),
-        (SectionKind::Plan, &plan(&[])),
+        (SectionKind::Plan, &plan(&vec![session; sessions])),
     ];
     container(&header, &contents)
 }
@@ -71,16 +82,17 @@ impl Orders {
 
 /// Orders on slots that begin as ones.
 pub fn block(input: &mut Input) {
-    let mut damaged = image(4, 900);
+    let mut damaged = image(4, 900, 0);
     damaged[200] ^= 4;
     let images = vec![
-        image(1, 900),
-        image(2, 900),
-        image(3, 900),
+        image(1, 900, 0),
+        image(2, 900, 0),
+        image(3, 900, 0),
         damaged,
-        image(5, NOW - 1),
-        image(6, 900),
+        image(5, NOW - 1, 0),
+        image(6, 900, 0),
         vec![0x55; ROOM + 1],
+        image(7, 900, 20),
     ];
     let mut orders = Orders { images, bytes: Vec::new() };
     uplinks(&mut orders);
@@ -103,7 +115,7 @@ fn uplinks(orders: &mut Orders) {
     for written in [0, 7, 8, 40, 63, 64, 150, whole - 1, whole] {
         orders.offer(2, NOW, written);
     }
-    for refused in [0, 2, 3, 4, 6] {
+    for refused in [0, 2, 3, 4, 6, 7] {
         orders.offer(refused, NOW, whole);
     }
     orders.offer(5, -1, whole);

@@ -36,7 +36,9 @@ pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed
         match limit.zone(&field) {
             Zone::Everywhere => sink.word("hopeless limit", 1),
             Zone::Inside(zone) => {
-                channels.push(Channel::new(scan, sun, body, &zone, times)).map_err(|_| Malformed)?
+                channels
+                    .push(Channel::new(scan, sun, body, &zone, times))
+                    .map_err(|_| Malformed)?;
             }
         }
     }
