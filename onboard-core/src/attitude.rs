@@ -48,7 +48,7 @@ pub fn attitude(
     at: Instant,
 ) -> Result<Rotation<Boresight, Ecliptic>, EphemerisError> {
     let anti_sun = sun.direction(scan.parameters().start, at)?;
-    Ok(scan.boresight_in_spin().then(spin_in_ecliptic(scan, anti_sun, at)))
+    Ok(spin_in_ecliptic(scan, anti_sun, at).after_about_y(scan.half_beta()))
 }
 
 fn spin_in_ecliptic(
@@ -73,14 +73,13 @@ pub fn sweep(
 ) -> Result<Sweep, EphemerisError> {
     let anti_sun = sun.state(scan.parameters().start, at)?;
     let spin = spin_in_ecliptic(scan, anti_sun.direction, at);
-    let attitude = detector.then(scan.boresight_in_spin().then(spin));
+    let attitude = detector.then(spin.after_about_y::<Boresight>(scan.half_beta()));
     let (x, n) = attitude.x_and_z();
     // omega = omega_frame + w_a n_sun + w_b s, with s the spin axis.
     let (precession_rate, spin_rate) = scan.rates_rad_s();
-    let (_, spin_axis) = spin.x_and_z();
     let omega = frame_angular_velocity(&anti_sun)
         + anti_sun.direction.vector() * precession_rate
-        + spin_axis * spin_rate;
+        + spin.z_axis() * spin_rate;
     // n' = omega x n: its components along x and y = n x x are omega . y and -omega . x.
     let y = n.cross(&x);
     let along_x = omega.x * y.x + omega.y * y.y + omega.z * y.z;

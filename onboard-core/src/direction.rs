@@ -10,8 +10,17 @@ use crate::trigonometry;
 use core::marker::PhantomData;
 use nalgebra::Vector3;
 
-/// Largest `1 - |v|^2` of a vector whose length two terms correct.
+/// Largest `1 - |v|^2` whose root two terms give.
 const NEARLY_UNIT: f64 = 5e-6;
+
+/// Square root of a square that is one but for a small error, as the cosine of the Sun's latitude is.
+///
+/// With e = 1 - square, `(1 - e)^(1/2) = 1 - e/2 - e^2/8 - ...`; below the limit on e the first term
+/// left out is e^3/16 < 8e-18. Others go the long way.
+pub(crate) fn root_near_one(square: f64) -> f64 {
+    let e = 1.0 - square;
+    if libm::fabs(e) < NEARLY_UNIT { 1.0 - e * (0.5 + 0.125 * e) } else { libm::sqrt(square) }
+}
 
 /// A unit vector with components in frame `F`.
 #[derive(Debug)]
@@ -136,6 +145,15 @@ mod tests {
     use super::*;
     use crate::frame::Ecliptic;
     use core::f64::consts::{FRAC_PI_2, PI};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_root_near_one_is_the_root(e in prop_oneof![-1e-5..1e-5_f64, -0.9..9.0_f64]) {
+            let off = root_near_one(1.0 + e) - libm::sqrt(1.0 + e);
+            prop_assert!(off.abs() <= f64::EPSILON, "{off:e}");
+        }
+    }
 
     #[test]
     fn separations_hold_their_digits_near_zero_and_pi() {

@@ -28,7 +28,7 @@
 //! Limits: quaternions are renormalised where they enter, not after each product; the longest chain
 //! of the crate has six products (error below 2e-15 rad).
 
-use crate::direction::Direction;
+use crate::direction::{Direction, root_near_one};
 use crate::frame::{Ecliptic, Icrf, OBLIQUITY_ARCSEC};
 use crate::phase::Phase;
 use crate::trigonometry;
@@ -130,7 +130,7 @@ impl<A, B> Rotation<A, B> {
     #[must_use]
     pub fn to_direction_with_x_north(direction: Direction<B>) -> Self {
         let [x, y, z] = direction.xyz();
-        let rho = libm::sqrt(x * x + y * y);
+        let rho = root_near_one(x * x + y * y);
         let (cos_lon, sin_lon) = if rho > 0.0 { (x / rho, y / rho) } else { (1.0, 0.0) };
         let (sin_half_lon, cos_half_lon) = half_angle(sin_lon, cos_lon);
         let (sin_half_col, cos_half_col) = half_angle(rho, z);
@@ -173,6 +173,28 @@ impl<A, B> Rotation<A, B> {
         (
             Vector3::new(1.0 - 2.0 * (yy + zz), 2.0 * (xy + wz), 2.0 * (xz - wy)),
             Vector3::new(2.0 * (xz + wy), 2.0 * (yz - wx), 1.0 - 2.0 * (xx + yy)),
+        )
+    }
+
+    /// A's z axis in `B`: the last column of the rotation's matrix.
+    pub(crate) fn z_axis(self) -> Vector3<f64> {
+        let q = self.quaternion.quaternion().coords;
+        Vector3::new(
+            2.0 * (q.x * q.z + q.w * q.y),
+            2.0 * (q.y * q.z - q.w * q.x),
+            1.0 - 2.0 * (q.x * q.x + q.y * q.y),
+        )
+    }
+
+    /// First `R_y` of this half angle (its sine and cosine), then this rotation: the product without
+    /// its zeros.
+    pub(crate) fn after_about_y<C>(self, (sin, cos): (f64, f64)) -> Rotation<C, B> {
+        let q = self.quaternion.quaternion().coords;
+        Rotation::from_parts(
+            q.x * cos - q.z * sin,
+            q.w * sin + q.y * cos,
+            q.x * sin + q.z * cos,
+            q.w * cos - q.y * sin,
         )
     }
 
@@ -246,7 +268,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_anti_sun_frame_has_its_axes(lon in -4.0..4.0_f64, lat in -1.5..1.5_f64) {
+        fn the_anti_sun_frame_has_its_axes(
+            lon in -4.0..4.0_f64,
+            lat in prop_oneof![-1.5..1.5_f64, -4e-3..4e-3_f64, -1e-5..1e-5_f64],
+        ) {
             let d = Direction::<Ecliptic>::from_longitude_latitude(lon, lat);
             let r = Rotation::<AntiSun, Ecliptic>::to_direction_with_x_north(d);
             let [zx, zy, zz] = r.apply(Direction::Z).xyz();

@@ -56,7 +56,7 @@ pub struct ScanStrategy {
     parameters: ScanParameters,
     /// Sine and cosine of alpha / 2.
     half_alpha: (f64, f64),
-    boresight_in_spin: Rotation<Boresight, Spin>,
+    half_beta: (f64, f64),
     /// Signed precession and spin rates in rad/s.
     rates_rad_s: (f64, f64),
 }
@@ -83,7 +83,7 @@ impl ScanStrategy {
     pub(crate) const STILL: Self = Self {
         parameters: ScanParameters::STILL,
         half_alpha: (0.0, 1.0),
-        boresight_in_spin: Rotation::IDENTITY,
+        half_beta: (0.0, 1.0),
         rates_rad_s: (0.0, 0.0),
     };
 
@@ -125,7 +125,7 @@ impl ScanStrategy {
     pub(crate) fn of_checked(parameters: ScanParameters) -> Self {
         Self {
             half_alpha: trigonometry::sin_cos(0.5 * parameters.alpha_rad),
-            boresight_in_spin: Rotation::about_y(parameters.beta_rad),
+            half_beta: trigonometry::sin_cos(0.5 * parameters.beta_rad),
             rates_rad_s: (
                 parameters.precession.rate.radians_per_second(),
                 parameters.spin.rate.radians_per_second(),
@@ -166,7 +166,13 @@ impl ScanStrategy {
     /// The fixed rotation from [`Boresight`] to [`Spin`]: `R_y(beta)`.
     #[must_use]
     pub const fn boresight_in_spin(&self) -> Rotation<Boresight, Spin> {
-        self.boresight_in_spin
+        let (sin, cos) = self.half_beta;
+        Rotation::from_parts(0.0, sin, 0.0, cos)
+    }
+
+    /// Sine and cosine of half of beta.
+    pub(crate) const fn half_beta(&self) -> (f64, f64) {
+        self.half_beta
     }
 
     /// Signed precession and spin rates in rad/s.

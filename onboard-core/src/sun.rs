@@ -9,7 +9,7 @@
 //! Limits: undefined with the spacecraft over an ecliptic pole of the Sun; x is then taken along
 //! the longitude 0.
 
-use crate::direction::{Direction, DirectionState, MotionBounds};
+use crate::direction::{Direction, DirectionState, MotionBounds, root_near_one};
 use crate::ephemeris::{BodyTable, EphemerisError};
 use crate::frame::{AntiSun, Ecliptic};
 use crate::phase::Rotor;
@@ -106,7 +106,7 @@ impl AntiSunAxes {
     pub fn new(sun: &DirectionState<Ecliptic>) -> Self {
         let z = sun.direction.vector();
         let [vx, vy, vz] = sun.rate_per_s;
-        let rho = libm::sqrt(z.x * z.x + z.y * z.y);
+        let rho = root_near_one(z.x * z.x + z.y * z.y);
         let (cos_lon, sin_lon) = if rho > 0.0 { (z.x / rho, z.y / rho) } else { (1.0, 0.0) };
         let x = Vector3::new(-z.z * cos_lon, -z.z * sin_lon, rho);
         let y = Vector3::new(sin_lon, -cos_lon, 0.0);

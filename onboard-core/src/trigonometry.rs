@@ -1,7 +1,7 @@
 //! Sine and cosine together, in little stack.
 //!
 //! Method: the nearest multiple of a quarter turn is taken away in two pieces of pi/2, the first
-//! short enough that its product with the multiple is exact [CodyWaite1980]; then Taylor's series to
+//! short enough that its product with the multiple is exact (Cody and Waite's reduction); then Taylor's series to
 //! x^17 and x^18, whose next terms are below 1e-19 at an eighth of a turn.
 //!
 //! Limits: within 1.5 ulp up to [`LONGEST_RAD`]; beyond, the angle is first rounded as a number
@@ -94,9 +94,10 @@ pub(crate) const fn sin_cos_eighth(x: f64) -> (f64, f64) {
 }
 
 /// The polynomial in z with these coefficients, the highest first.
-const fn series(z: f64, coefficients: [f64; 8]) -> f64 {
-    let [a, b, c, d, e, f, g, h] = coefficients;
-    ((((((a * z + b) * z + c) * z + d) * z + e) * z + f) * z + g) * z + h
+const fn series(z: f64, [first, second, rest @ ..]: [f64; 8]) -> f64 {
+    let [third, fourth, fifth, sixth, seventh, last] = rest;
+    let upper = ((first * z + second) * z + third) * z + fourth;
+    (((upper * z + fifth) * z + sixth) * z + seventh) * z + last
 }
 
 #[cfg(test)]

@@ -100,19 +100,31 @@ impl Truth {
     }
 }
 
-/// An attitude of `scan` with noise about each axis.
+/// An attitude with noise about each axis.
 ///
 /// # Panics
 /// When the noise is not a small angle.
-pub fn measured(scan: &ScanStrategy, ns: i64, sigma_rad: f64, noise: &mut Noise) -> Measurement {
+pub fn shaken<F>(
+    attitude: Rotation<Boresight, F>,
+    sigma_rad: f64,
+    noise: &mut Noise,
+) -> Rotation<Boresight, F> {
     let ([x, y], z) = (normal_pair(noise), normal(noise));
-    let shaken = Rotation::<Boresight, Boresight>::from_xyzw({
+    let turn = Rotation::<Boresight, Boresight>::from_xyzw({
         let [x, y, z] = [x, y, z].map(|n| 0.5 * sigma_rad * n);
         let length = (1.0 + x * x + y * y + z * z).sqrt();
         [x / length, y / length, z / length, 1.0 / length]
     })
     .unwrap();
-    let attitude = shaken.then(attitude(scan, &sun(), at(ns)).unwrap());
+    turn.then(attitude)
+}
+
+/// An attitude of `scan` with noise about each axis.
+///
+/// # Panics
+/// When the noise is not a small angle.
+pub fn measured(scan: &ScanStrategy, ns: i64, sigma_rad: f64, noise: &mut Noise) -> Measurement {
+    let attitude = shaken(attitude(scan, &sun(), at(ns)).unwrap(), sigma_rad, noise);
     Measurement { at: at(ns), attitude, sigma_rad }
 }
 

@@ -27,9 +27,9 @@ impl<'a> Channel<'a> {
         sun: SunModel<'a>,
         target: BodyTable<'a>,
         field: &FieldOfView,
-        span: (Instant, Instant),
+        ends: (Instant, Instant),
     ) -> Self {
-        let search = Search::new(scan, &Lookup { sun: &sun, target }, field, span);
+        let search = Search::new(scan, &Lookup { sun: &sun, target }, field, ends);
         Self { search, sun, target }
     }
 

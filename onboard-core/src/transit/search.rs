@@ -96,15 +96,15 @@ impl Search {
     };
 
     /// A search from `start` to `end`, both included.
-    #[inline(always)]
-    pub(crate) fn new(
+    #[inline]
+    pub(super) fn new(
         scan: &ScanStrategy,
         lookup: &Lookup<'_, '_>,
         field: &FieldOfView,
-        span: (Instant, Instant),
+        ends: (Instant, Instant),
     ) -> Self {
         let mut search = Self::NOTHING;
-        search.set(scan, lookup, field, span);
+        search.set(scan, lookup, field, ends);
         search
     }
 

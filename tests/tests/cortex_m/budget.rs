@@ -49,7 +49,7 @@ fn measure(
     let words: Vec<u64> =
         output.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
     let (measured, rest) = words.as_chunks::<3>();
-    let [pointing, sweeping, step, parse] = measured else {
+    let [pointing, sweeping, step, parse, idle, checking, update] = measured else {
         return Err(format!("the meter wrote {} words", words.len()).into());
     };
     assert!(rest.is_empty());
@@ -61,5 +61,9 @@ fn measure(
         // The clock may cut off up to one tick.
         ("transit-step-longest", (step[2] + 1) * PER_TICK),
         ("container-kib", mean(parse)),
+        ("sequencer-idle", mean(idle)),
+        ("sequencer-checking-mean", mean(checking)),
+        ("sequencer-checking-longest", (checking[2] + 1) * PER_TICK),
+        ("tracker-update", mean(update)),
     ]))
 }

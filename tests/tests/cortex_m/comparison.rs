@@ -97,15 +97,20 @@ impl Sink for Words {
     }
 }
 
-struct Fields(BTreeMap<&'static str, u64>);
+struct Fields {
+    words: BTreeMap<&'static str, u64>,
+    block: usize,
+}
 
 impl Sink for Fields {
-    fn block(&mut self, _: u32) {}
+    fn block(&mut self, index: u32) {
+        self.block = index as usize;
+    }
 
     fn item(&mut self, _: i64) {}
 
     fn word(&mut self, field: &'static str, _: u64) {
-        *self.0.entry(field).or_default() += 1;
+        *self.words.entry(field).or_default() += 1;
     }
 }
 
@@ -114,11 +119,43 @@ impl Sink for Fields {
 /// # Errors
 /// Where the input is malformed.
 pub fn fields(input: &Input) -> Result<BTreeMap<&'static str, u64>, Failed> {
-    let mut fields = Fields(BTreeMap::new());
+    let mut fields = Fields { words: BTreeMap::new(), block: 0 };
     match vectors::run(&input.bytes, &mut vec![0; 256 << 10], &|| 0, &mut fields) {
-        Ok(()) => Ok(fields.0),
-        Err(error) => Err(format!("the host refuses the vector file: {error:?}").into()),
+        Ok(()) => Ok(fields.words),
+        Err(error) => Err(format!(
+            "the host refuses '{}': {error:?}, after {:?}",
+            input.names[fields.block], fields.words
+        )
+        .into()),
     }
+}
+
+struct Letters<'f> {
+    fields: &'f [&'static str],
+    letters: Vec<u8>,
+}
+
+impl Sink for Letters<'_> {
+    fn block(&mut self, _: u32) {}
+
+    fn item(&mut self, _: i64) {}
+
+    fn word(&mut self, field: &'static str, bits: u64) {
+        if self.fields.contains(&field) {
+            self.letters.extend(bits.to_le_bytes());
+        }
+    }
+}
+
+/// What the host writes as text in these fields.
+///
+/// # Errors
+/// Where the input is malformed.
+pub fn texts(input: &Input, fields: &[&'static str]) -> Result<String, Failed> {
+    let mut sink = Letters { fields, letters: Vec::new() };
+    vectors::run(&input.bytes, &mut vec![0; 256 << 10], &|| 0, &mut sink)
+        .map_err(|error| format!("the host refuses the vector file: {error:?}"))?;
+    Ok(String::from_utf8_lossy(&sink.letters).into_owned())
 }
 
 /// The words that the host makes of an input.

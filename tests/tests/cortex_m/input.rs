@@ -2,7 +2,7 @@
 //!
 //! Missions, containers and the ephemeris are the ground's own; the layout is in `tests/firmware`.
 
-use crate::comparison;
+use crate::{comparison, sequencer, services, slots};
 use ephem::fit::FitOptions;
 use ground_tools::mission::{Mission, Override};
 use ground_tools::presets;
@@ -16,9 +16,11 @@ use onboard_core::time::Instant;
 use onboard_core::uplink::{Container, SectionKind, SessionRecord};
 use tests::Noise;
 
-const NS_PER_DAY: i64 = 86_400_000_000_000;
+/// A day in ns.
+pub const NS_PER_DAY: i64 = 86_400_000_000_000;
 const TEN_YEARS: &str = "span.duration_days=3652.5";
-const ONE_MONTH: &str = "span.duration_days=30";
+/// A month of a mission.
+pub const ONE_MONTH: &str = "span.duration_days=30";
 /// Senses of precession and spin.
 const SENSES: [(i8, i8); 4] = [(1, 1), (1, -1), (-1, 1), (-1, -1)];
 
@@ -32,14 +34,16 @@ pub struct Input {
 }
 
 impl Input {
-    fn block(&mut self, kind: u32, name: &str, payload: &[u8]) {
+    /// Adds a block.
+    pub fn block(&mut self, kind: u32, name: &str, payload: &[u8]) {
         self.bytes.extend(kind.to_le_bytes());
         self.bytes.extend(sized(payload));
         self.names.push(name.to_owned());
     }
 }
 
-fn sized(bytes: &[u8]) -> Vec<u8> {
+/// The bytes behind their number.
+pub fn sized(bytes: &[u8]) -> Vec<u8> {
     let length = u32::try_from(bytes.len()).expect("a block of less than 4 GiB");
     [&length.to_le_bytes()[..], bytes].concat()
 }
@@ -50,7 +54,7 @@ pub struct Tables {
     /// Sun and five planets over ten years, 1 mas.
     decade: Vec<u8>,
     /// The same over a month.
-    month: Vec<u8>,
+    pub month: Vec<u8>,
 }
 
 impl Tables {
@@ -64,14 +68,16 @@ impl Tables {
     }
 }
 
-fn world(preset: &str, settings: &[&str]) -> World {
+/// A preset with settings, among the planets.
+pub fn world(preset: &str, settings: &[&str]) -> World {
     let set = |text: &&str| Override::set(text).expect("a key and a value");
     let overrides: Vec<Override> = settings.iter().map(set).collect();
     let mission = Mission::load(preset, &overrides).expect("a preset");
     World::open(mission, None).expect("the embedded kernel covers the span")
 }
 
-fn container(world: &World, ephemeris: &[u8], sessions: Option<&[SessionRecord]>) -> Vec<u8> {
+/// The container of a world.
+pub fn container(world: &World, ephemeris: &[u8], sessions: Option<&[SessionRecord]>) -> Vec<u8> {
     let contents = Contents { world, ephemeris, sessions, sequence: 1 };
     contents.to_bytes().expect("small enough for the format")
 }
@@ -115,6 +121,9 @@ pub fn vectors(tables: &Tables, per_case: usize) -> Input {
     ephemeris_blocks(tables, &mut noise, &mut input);
     transit_blocks(tables, &mut input);
     table_blocks(tables, &mut input);
+    sequencer::blocks(&mut input);
+    slots::block(&mut input);
+    services::blocks(tables, &mut input);
     input
 }
 
@@ -145,7 +154,8 @@ fn transit_blocks(tables: &Tables, input: &mut Input) {
     }
 }
 
-fn channel(body: i32, radius_rad: f64, block: &mut Vec<u8>) {
+/// A channel of a search on the first telescope.
+pub fn channel(body: i32, radius_rad: f64, block: &mut Vec<u8>) {
     block.extend(body.to_le_bytes());
     block.extend(0_u32.to_le_bytes());
     block.extend(radius_rad.to_le_bytes());
@@ -230,8 +240,54 @@ pub fn metered(tables: &Tables) -> Input {
     }
     let mut input = Input::default();
     input.block(16, "instructions", &block);
+    let services = [sequencer::metered(), services::metered(tables)].concat();
+    input.block(17, "instructions of services", &services);
     input
 }
+
+/// Fields, and what must be told in them.
+const TOLD: [(&[&str], &[&str]); 4] = [
+    (
+        &["event"],
+        &[
+            "Started(",
+            "Ended(",
+            "Setup(",
+            "Calibrating(",
+            "Cooldown(",
+            "Idle",
+            "Missed",
+            "Overlap",
+            "Entry(",
+            "Passes(",
+            "Aborted(",
+            "NoClock",
+            "Expired",
+            "NoTables",
+            "Commanded",
+            "TimeReversed",
+            "TimeJumped",
+            "Tables(3)",
+        ],
+    ),
+    (
+        &["admitted", "no tables", "slot refused"],
+        &["Ok(A)", "Ok(B)", "Unsound", "Older", "Expired", "NotYetValid", "TooLong", "Revoked"],
+    ),
+    (
+        &["order", "rolled back"],
+        &[
+            "NotAnOrder",
+            "Damaged",
+            "NotBack",
+            "OrderExpired",
+            "NotActive",
+            "NothingToReturnTo",
+            "Ok(",
+        ],
+    ),
+    (&["measurement refused"], &["Outlier", "Stale", "NotAfter", "Future", "Sigma"]),
+];
 
 /// Every preset and pair of senses is there with distinct instants over ten years, and the tables
 /// that are refused are refused for many reasons.
@@ -257,10 +313,28 @@ pub fn covers_what_it_must() -> Result<(), Failed> {
         ("ephemeris refused", 100),
         ("mission refused", 100),
         ("plan refused", 100),
+        ("sequencer's state", 20_000),
+        ("event", 1_000),
+        ("active slot", 20),
+        ("slot refused", 10),
+        ("admitted", 10),
+        ("rolled back", 3),
+        ("clock's instant", 5),
+        ("clock refused", 3),
+        ("chi^2", 150),
+        ("measurement refused", 50),
+        ("probability", 50),
+        ("least angle", 50),
     ] {
         let found = fields.get(field).copied().unwrap_or(0);
         if found < least {
             return Err(format!("{found} words of '{field}', at least {least} wanted").into());
+        }
+    }
+    for (fields, told) in TOLD {
+        let texts = comparison::texts(&input, fields)?;
+        if let Some(missing) = told.iter().find(|it| !texts.contains(**it)) {
+            return Err(format!("no '{missing}' in {fields:?}").into());
         }
     }
     comparison::fields(&metered(&tables))?;

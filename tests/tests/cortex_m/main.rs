@@ -8,6 +8,9 @@ mod budget;
 mod comparison;
 mod input;
 mod machine;
+mod sequencer;
+mod services;
+mod slots;
 mod toolchain;
 
 use libtest_mimic::{Arguments, Failed, Trial};

@@ -7,6 +7,7 @@ use crate::reader::Reader;
 use crate::sink::Sink;
 use crate::tables::Loaded;
 use onboard_core::attitude::{attitude, sweep};
+use onboard_core::frame::{Boresight, Detector};
 use onboard_core::hwp::hwp_phase;
 
 /// Evaluates at every instant, the Sun afresh each time.
@@ -16,18 +17,18 @@ use onboard_core::hwp::hwp_phase;
 pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed> {
     let loaded = Loaded::read(block.sized()?)?;
     let (scan, sun) = (loaded.mission.strategy(), loaded.sun()?);
-    let detector = block.detector()?;
+    let detector = block.rotation::<Detector, Boresight>()?;
     while !block.is_empty() {
         let at = block.instant()?;
         sink.item(at.tai_ns());
-        match attitude(scan, &sun, at) {
+        match attitude(&scan, &sun, at) {
             Ok(attitude) => sink.numbers(
                 ["attitude.x", "attitude.y", "attitude.z", "attitude.w"],
                 attitude.to_xyzw(),
             ),
             Err(error) => sink.text("attitude refused", &error),
         }
-        match sweep(scan, &sun, detector, at) {
+        match sweep(&scan, &sun, detector, at) {
             Ok(swept) => {
                 sink.numbers(
                     ["detector.x", "detector.y", "detector.z", "detector.w"],
@@ -44,7 +45,7 @@ pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed
         sink.word("precession phase", precession.bits());
         sink.word("spin phase", spin.bits());
         for plate in loaded.mission.telescopes().filter_map(|telescope| telescope.hwp) {
-            let phase = hwp_phase(scan, plate, at);
+            let phase = hwp_phase(&scan, plate, at);
             sink.word("hwp phase", phase.bits());
             sink.number("hwp angle", phase.radians());
         }

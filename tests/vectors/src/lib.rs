@@ -13,7 +13,13 @@
 //! | 3 | [`transits`] | a transit search over several channels |
 //! | 4 | [`tables`] | a container, whole and damaged |
 //! | 5 | [`tables`] | a section without its CRC, whole and damaged |
+//! | 6 | [`sequencer`] | a flight through plans, with disturbances |
+//! | 7 | [`slots`] | two slots under uplinks, damage and orders; clock correlations |
+//! | 8 | [`tracking`] | measured attitudes, and transits with what they correct |
+//! | 9 | [`visits`] | counts of visits, and the confidence in each |
+//! | 10 | [`avoidance`] | violations of limits on bright bodies |
 //! | 16 | [`meter`] | instructions per operation |
+//! | 17 | [`services_meter`] | instructions of a sequencer's tick and a tracker's update |
 //!
 //! Method: a new family of operations is a module with a `run` of this shape, and a line in [`run`].
 //!
@@ -28,7 +34,13 @@ pub mod tables;
 pub mod ephemeris;
 pub mod attitude;
 pub mod transits;
+pub mod sequencer;
+pub mod slots;
+pub mod tracking;
+pub mod visits;
+pub mod avoidance;
 pub mod meter;
+pub mod services_meter;
 
 use reader::Reader;
 use sink::Sink;
@@ -59,7 +71,13 @@ pub fn run(
             3 => transits::run(&mut block, sink)?,
             4 => tables::run(&mut block, scratch, sink)?,
             5 => tables::run_section(&mut block, scratch, sink)?,
+            6 => sequencer::run(&mut block, sink)?,
+            7 => slots::run(&mut block, scratch, sink)?,
+            8 => tracking::run(&mut block, sink)?,
+            9 => visits::run(&mut block, sink)?,
+            10 => avoidance::run(&mut block, sink)?,
             16 => meter::run(&mut block, clock, sink)?,
+            17 => services_meter::run(&mut block, clock, sink)?,
             _ => return Err(Malformed),
         }
         index += 1;

@@ -21,6 +21,7 @@ use crate::transits::channels;
 use core::hint::black_box;
 use onboard_core::attitude::{attitude, sweep};
 use onboard_core::direction::Direction;
+use onboard_core::frame::{Boresight, Detector};
 use onboard_core::hwp::hwp_phase;
 use onboard_core::time::Instant;
 use onboard_core::transit::{Step, TransitFinder};
@@ -33,21 +34,21 @@ const WRAP: u32 = 1 << 24;
 
 /// One measurement.
 #[derive(Debug, Default, Clone, Copy)]
-struct Measured {
+pub(crate) struct Measured {
     count: u64,
     ticks: u64,
     longest: u64,
 }
 
 impl Measured {
-    fn add(&mut self, count: u64, before: u32, after: u32) {
+    pub(crate) fn add(&mut self, count: u64, before: u32, after: u32) {
         let ticks = u64::from(after.wrapping_sub(before) % WRAP);
         self.count += count;
         self.ticks += ticks;
         self.longest = self.longest.max(ticks);
     }
 
-    fn write(self, sink: &mut impl Sink) {
+    pub(crate) fn write(self, sink: &mut impl Sink) {
         sink.word("operations", self.count);
         sink.word("ticks", self.ticks);
         sink.word("longest", self.longest);
@@ -66,7 +67,7 @@ pub fn run(
     let bytes = block.sized()?;
     let loaded = Loaded::read(bytes)?;
     let (scan, sun) = (loaded.mission.strategy(), loaded.sun()?);
-    let detector = block.detector()?;
+    let detector = block.rotation::<Detector, Boresight>()?;
     let plate = loaded.mission.telescopes().find_map(|it| it.hwp).ok_or(Malformed)?;
     let instants = block.sized()?;
 

@@ -10,6 +10,7 @@ use crate::sink::Sink;
 use crate::tables::Loaded;
 use heapless::Vec;
 use onboard_core::field_of_view::FieldOfView;
+use onboard_core::scan::ScanStrategy;
 use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
 
 /// Most channels of a block.
@@ -23,23 +24,39 @@ pub fn channels<'a>(
     block: &mut Reader<'_>,
     loaded: &Loaded<'a>,
 ) -> Result<Vec<Channel<'a>, MAX_CHANNELS>, Malformed> {
+    channels_of(&loaded.mission.strategy(), block, loaded)
+}
+
+/// The channels of a block, with another strategy than the mission's.
+///
+/// # Errors
+/// [`Malformed`] where a channel cannot be, or there are too many.
+pub fn channels_of<'a>(
+    scan: &ScanStrategy,
+    block: &mut Reader<'_>,
+    loaded: &Loaded<'a>,
+) -> Result<Vec<Channel<'a>, MAX_CHANNELS>, Malformed> {
     let times = (block.instant()?, block.instant()?);
-    let (scan, sun) = (loaded.mission.strategy(), loaded.sun()?);
+    let sun = loaded.sun()?;
     let mut channels = Vec::new();
     while !block.is_empty() {
         let body = loaded.ephemeris.body(block.i32()?).map_err(|_| Malformed)?;
-        let index = usize::try_from(block.u32()?).map_err(|_| Malformed)?;
-        let telescope = loaded.mission.telescopes().nth(index).ok_or(Malformed)?;
-        let radius = block.f64()?;
-        let field = if radius > 0.0 {
-            FieldOfView::circle(telescope.rotation, radius)
-        } else {
-            telescope.field_of_view()
-        };
-        let field = field.map_err(|_| Malformed)?;
+        let field = field(block, loaded)?;
         channels.push(Channel::new(scan, sun, body, &field, times)).map_err(|_| Malformed)?;
     }
     Ok(channels)
+}
+
+/// A field of view of a block: telescope's index and radius.
+pub(crate) fn field(block: &mut Reader<'_>, loaded: &Loaded<'_>) -> Result<FieldOfView, Malformed> {
+    let telescope = loaded.mission.telescopes().nth(block.index()?).ok_or(Malformed)?;
+    let radius = block.f64()?;
+    let field = if radius > 0.0 {
+        FieldOfView::circle(telescope.rotation, radius)
+    } else {
+        telescope.field_of_view()
+    };
+    field.map_err(|_| Malformed)
 }
 
 /// Searches to the end; every transit, then the work done.
@@ -48,8 +65,13 @@ pub fn channels<'a>(
 /// [`Malformed`] where a channel cannot be made.
 pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed> {
     let loaded = Loaded::read(block.sized()?)?;
-    let mut channels = channels(block, &loaded)?;
-    let mut finder = TransitFinder::new(&mut channels);
+    search(&mut channels(block, &loaded)?, sink);
+    Ok(())
+}
+
+/// Searches to the end.
+pub(crate) fn search(channels: &mut [Channel<'_>], sink: &mut impl Sink) {
+    let mut finder = TransitFinder::new(channels);
     let mut steps = 0;
     loop {
         steps += 1;
@@ -71,10 +93,10 @@ pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed
         // The saved state tells where each channel stands.
         sink.text("state", &channel.state());
     }
-    Ok(())
 }
 
-fn write(transit: &Transit, sink: &mut impl Sink) {
+/// A transit's words.
+pub(crate) fn write(transit: &Transit, sink: &mut impl Sink) {
     sink.item(transit.entry.tai_ns());
     sink.integer("channel", i64::try_from(transit.channel).unwrap_or(-1));
     sink.integer("entry", transit.entry.tai_ns());
