@@ -3,9 +3,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 
+use ephem::source::SUN_AS_TARGET;
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::sequencer::{
-    Event, EventQueue, MAX_EVALUATIONS_PER_TICK, Sequencer, Settings, Situation,
+    Event, EventQueue, MAX_EVALUATIONS_PER_TICK, Sequencer, Settings, Situation, SkipReason,
 };
 use onboard_core::time::Duration;
 use onboard_core::uplink::Tables;
@@ -82,8 +83,12 @@ fn the_plan_on_board_is_carried_out() {
     ];
     std::fs::write(&focal_plane, own.concat()).unwrap();
     let own = focal_plane.to_str().unwrap();
-    let cases: [&[&str]; 4] = [
+    let limits = "calibration.schedule.avoidance=[{ body = \"earth\", angle_deg = 30.0 }, \
+                  { body = \"sun\", angle_deg = 60.0 }, { body = \"moon\", angle_deg = 20.0 }]";
+    let cases: [&[&str]; 5] = [
         &["--duration", "45d"],
+        // The line of sight keeps 85 deg from the Sun, the fields' edges 71 deg.
+        &["--duration", "20d", "--set", limits],
         &["--duration", "20d", "--set", "scan.spin_sign=-1", "--sun", "circular"],
         &["--duration", "60d", "--mission", "epic"],
         &["--duration", "30d", "--mission", own],
@@ -113,4 +118,24 @@ fn the_plan_on_board_is_carried_out() {
         }
         assert!(all >= 3, "{arguments:?}: {all} sessions");
     }
+}
+
+#[test]
+fn sessions_that_come_too_close_to_the_sun_are_skipped() {
+    let folder = tempfile::tempdir().unwrap();
+    let limit = "calibration.schedule.avoidance=[{ body = \"sun\", angle_deg = 90.0 }]";
+    let bytes = plan(folder.path(), &["--duration", "20d", "--set", limit]);
+    let tables = Tables::load(&bytes).unwrap();
+    let avoided = SkipReason::Avoidance(SUN_AS_TARGET);
+    let (mut planned, mut skipped) = (0, 0);
+    for telescope in 0..3 {
+        let (sessions, events) = fly(&tables, telescope);
+        let reasons = events.iter().filter_map(|event| match event {
+            Event::Skipped(_, reason) => Some(*reason),
+            _ => None,
+        });
+        planned += sessions;
+        skipped += reasons.filter(|reason| *reason == avoided).count();
+    }
+    assert!(planned > 20 && skipped > planned / 2, "{skipped} of {planned}");
 }

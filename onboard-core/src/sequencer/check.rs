@@ -2,7 +2,9 @@
 //!
 //! The prediction searches the session's target through every field that calibrates the telescope,
 //! from two tolerances before the planned first entry to two after the planned last exit, on the
-//! strategy that was the best known when it began. Nothing is borrowed between two pieces.
+//! strategy that was the best known when it began. Then, for every avoidance limit and every such
+//! field, it searches the whole session, setup and cooldown included, for a violation. Nothing is
+//! borrowed between two pieces.
 
 use super::{Settings, SkipReason};
 use crate::ephemeris::EphemerisError;
@@ -28,11 +30,28 @@ pub(super) struct Check {
 enum Stage {
     /// Not begun.
     Waiting,
-    /// The field of this index is next.
-    Field(u16),
-    /// The search through the field of this index is under way.
-    Searching(u16),
+    /// This search is next.
+    Next(Part),
+    /// This search is under way.
+    Searching(Part),
     Done(Result<(), SkipReason>),
+}
+
+/// What is searched: the target, or the body of the avoidance limit of this index, through the field
+/// of the other index.
+#[derive(Debug, Clone, Copy)]
+enum Part {
+    Target(u16),
+    Limit(u16, u16),
+}
+
+impl Part {
+    const fn following(self) -> Self {
+        match self {
+            Self::Target(field) => Self::Target(field.saturating_add(1)),
+            Self::Limit(limit, field) => Self::Limit(limit, field.saturating_add(1)),
+        }
+    }
 }
 
 /// What a piece of the prediction runs on.
@@ -66,7 +85,7 @@ impl Check {
         if matches!(self.stage, Stage::Waiting) {
             self.strategy =
                 Some(strategy.map_or_else(|| tables.mission().strategy(), |known| *known));
-            self.stage = Stage::Field(0);
+            self.stage = Stage::Next(Part::Target(0));
             (self.first_entry, self.last_exit, self.passes) = (None, None, 0);
         }
     }
@@ -75,64 +94,95 @@ impl Check {
     pub(super) const fn verdict(&self) -> Option<Result<(), SkipReason>> {
         match self.stage {
             Stage::Done(verdict) => Some(verdict),
-            Stage::Waiting | Stage::Field(_) | Stage::Searching(_) => None,
+            Stage::Waiting | Stage::Next(_) | Stage::Searching(_) => None,
         }
     }
 
     /// Goes on by at most the settings' number of search steps; returns the evaluations made.
     #[inline(never)]
     pub(super) fn advance(&mut self, ground: &Ground<'_, '_>) -> u32 {
-        let index = match self.stage {
+        let part = match self.stage {
             Stage::Waiting | Stage::Done(_) => return 0,
-            Stage::Field(index) => {
+            Stage::Next(part) => {
                 self.stage = self
-                    .begin(ground, index)
+                    .begin(ground, part)
                     .unwrap_or_else(|error| Stage::Done(Err(SkipReason::Ephemeris(error))));
                 return 0;
             }
-            Stage::Searching(index) => index,
+            Stage::Searching(part) => part,
         };
         let before = self.search.evaluations();
-        match self.go_on(ground) {
-            Ok(false) => {}
-            Ok(true) => self.stage = Stage::Field(index.saturating_add(1)),
+        match self.go_on(ground, part) {
+            Ok(None) => {}
+            Ok(Some(next)) => self.stage = next,
             Err(error) => self.stage = Stage::Done(Err(SkipReason::Ephemeris(error))),
         }
         let after = self.search.evaluations();
         u32::try_from(after.wrapping_sub(before)).unwrap_or(u32::MAX)
     }
 
-    /// Lays out the search through one field; when there is none left, the verdict.
+    /// Lays out the search of one part; where the part is not there, what follows.
     #[inline(never)]
-    fn begin(&mut self, ground: &Ground<'_, '_>, index: u16) -> Result<Stage, EphemerisError> {
-        let (session, tables) = (ground.session, ground.tables);
-        let Some(field) = tables.mission().calibration_field(session.telescope, index) else {
-            return Ok(Stage::Done(self.compare(ground)));
-        };
-        let sun = tables.sun()?;
-        let lookup = Lookup { sun: &sun, target: tables.ephemeris().body(session.body)? };
-        let span = window(ground);
+    fn begin(&mut self, ground: &Ground<'_, '_>, part: Part) -> Result<Stage, EphemerisError> {
+        let (session, mission) = (ground.session, ground.tables.mission());
         let Some(strategy) = &self.strategy else { return Ok(Stage::Waiting) };
+        let (body, field, span) = match part {
+            Part::Target(index) => match mission.calibration_field(session.telescope, index) {
+                Some(field) => (session.body, field, window(ground)),
+                None => {
+                    return Ok(match self.compare(ground) {
+                        Ok(()) => Stage::Next(Part::Limit(0, 0)),
+                        disagreement => Stage::Done(disagreement),
+                    });
+                }
+            },
+            Part::Limit(limit, index) => {
+                let Some(record) = mission.avoidance_limit(limit) else {
+                    return Ok(Stage::Done(Ok(())));
+                };
+                let Some(field) = mission.calibration_field(session.telescope, index) else {
+                    return Ok(Stage::Next(Part::Limit(limit.saturating_add(1), 0)));
+                };
+                match field.enlarged(record.angle_rad) {
+                    Some(zone) => (record.body, zone, (session.start, session.end)),
+                    // The zone is the whole sky.
+                    None => return Ok(Stage::Done(Err(SkipReason::Avoidance(record.body)))),
+                }
+            }
+        };
+        let sun = ground.tables.sun()?;
+        let lookup = Lookup { sun: &sun, target: ground.tables.ephemeris().body(body)? };
         self.search.set(strategy, &lookup, &field, span);
-        Ok(Stage::Searching(index))
+        Ok(Stage::Searching(part))
     }
 
-    /// At most the settings' number of steps of the search; true when it is over.
+    /// At most the settings' number of steps of the search; what follows, when it is over.
     #[inline(never)]
-    fn go_on(&mut self, ground: &Ground<'_, '_>) -> Result<bool, EphemerisError> {
+    fn go_on(
+        &mut self,
+        ground: &Ground<'_, '_>,
+        part: Part,
+    ) -> Result<Option<Stage>, EphemerisError> {
+        let limit = match part {
+            Part::Target(_) => None,
+            Part::Limit(limit, _) => ground.tables.mission().avoidance_limit(limit),
+        };
+        let body = limit.map_or(ground.session.body, |record| record.body);
         let sun = ground.tables.sun()?;
-        let target = ground.tables.ephemeris().body(ground.session.body)?;
-        let lookup = Lookup { sun: &sun, target };
+        let lookup = Lookup { sun: &sun, target: ground.tables.ephemeris().body(body)? };
         for _ in 0..ground.settings.steps_per_tick {
             if let Some(transit) = self.search.take() {
+                if limit.is_some() {
+                    return Ok(Some(Stage::Done(Err(SkipReason::Avoidance(body)))));
+                }
                 self.note(&transit);
             } else if self.search.frontier().is_none() {
-                return Ok(true);
+                return Ok(Some(Stage::Next(part.following())));
             } else {
                 self.search.advance(&lookup, &mut self.seen)?;
             }
         }
-        Ok(false)
+        Ok(None)
     }
 
     fn note(&mut self, transit: &Transit) {

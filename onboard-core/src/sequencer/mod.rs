@@ -3,8 +3,8 @@
 //! A [`Sequencer`] carries out one telescope's sessions of the loaded plan. It is driven by
 //! [`Sequencer::tick`], with the on-board counter, the clock correlation and the active tables, and
 //! borrows nothing between two ticks. Sessions run at their planned times; each is checked
-//! beforehand against the spacecraft's own prediction (`check.rs`) and skipped with a reason when
-//! the two disagree, or when the check could not be finished in time.
+//! beforehand against the spacecraft's own prediction and the avoidance limits (`check.rs`) and
+//! skipped with a reason when they disagree, or when the check could not be finished in time.
 //!
 //! Rules:
 //! - Without a valid clock, or tables that are valid now, the state is safe. It is left only by
@@ -93,6 +93,8 @@ pub enum SkipReason {
     Exit(Duration),
     /// The prediction finds this number of passes instead.
     Passes(u16),
+    /// A field of view would come too close to this body during the session.
+    Avoidance(i32),
     /// The tables have no answer.
     Ephemeris(EphemerisError),
 }
