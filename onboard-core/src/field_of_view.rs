@@ -127,6 +127,7 @@ impl FieldOfView {
     ///
     /// A rectangle's farthest direction is opposite its centre, as a circle's.
     #[must_use]
+    #[inline(never)]
     pub fn enlarged(&self, margin_rad: f64) -> Option<Self> {
         let reach_rad = self.reach_rad + margin_rad;
         (margin_rad > 0.0 && reach_rad < PI).then_some(Self {

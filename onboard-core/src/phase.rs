@@ -48,6 +48,7 @@ impl Phase {
 
     /// The binary angle nearest to `radians`, any number of turns; NaN and infinities give zero.
     #[must_use]
+    #[inline(never)]
     pub fn from_radians(radians: f64) -> Self {
         let turns = radians / TAU;
         let fraction = turns - libm::round(turns);
@@ -109,6 +110,7 @@ impl TurnRate {
     /// The rate nearest to `radians_per_second` that an f64 can tell; saturates at half a turn per
     /// ns, and NaN gives zero.
     #[must_use]
+    #[inline(never)]
     pub fn from_radians_per_second(radians_per_second: f64) -> Self {
         Self(wide_bits_from_f64(libm::round(radians_per_second / RADIANS_PER_SECOND_PER_BIT)))
     }
@@ -143,6 +145,7 @@ impl TurnRate {
 
     /// The rate in radians per second, signed.
     #[must_use]
+    #[inline(never)]
     pub const fn radians_per_second(self) -> f64 {
         let magnitude = f64_from_u128(self.magnitude()) * RADIANS_PER_SECOND_PER_BIT;
         if self.is_negative() { -magnitude } else { magnitude }

@@ -76,6 +76,7 @@ impl<A, B> Rotation<A, B> {
     /// # Errors
     /// [`RotationError`] when a component is not finite or the norm is off by more than
     /// [`NORM_TOLERANCE`].
+    #[inline(never)]
     pub fn from_xyzw(xyzw: [f64; 4]) -> Result<Self, RotationError> {
         let [x, y, z, w] = xyzw;
         let norm = libm::sqrt(x * x + y * y + z * z + w * w);
@@ -128,6 +129,7 @@ impl<A, B> Rotation<A, B> {
     ///
     /// At a pole of B the longitude is taken as 0.
     #[must_use]
+    #[inline(never)]
     pub fn to_direction_with_x_north(direction: Direction<B>) -> Self {
         let [x, y, z] = direction.xyz();
         let rho = root_near_one(x * x + y * y);

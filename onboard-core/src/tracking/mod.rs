@@ -345,17 +345,21 @@ fn prior(scan: &ScanStrategy, settings: &TrackerSettings) -> ErrorCovariance {
     ErrorCovariance::diagonal([a, alpha, b, a_rate, b_rate].map(|sigma| sigma * sigma))
 }
 
+/// A rotor with its rate moved, and its phase moved so that it holds exactly after `elapsed`.
+#[inline(never)]
+fn anchored(rotor: Rotor, elapsed: Duration, error: f64, rate_error: f64) -> Rotor {
+    let rate = rotor.rate.plus(TurnRate::from_radians_per_second(rate_error));
+    let here = rotor.phase(elapsed).plus(Phase::from_radians(error));
+    Rotor { rate, start: here.plus(rate.after(elapsed).negated()) }
+}
+
 /// The strategy moved by the errors at `at`: rates first, then phases anchored so that they hold
 /// exactly there.
 fn corrected(scan: &ScanStrategy, errors: &Errors, at: Instant) -> ScanParameters {
     let [precession, alpha, spin, precession_rate, spin_rate] = *errors;
     let elapsed = scan.elapsed(at);
     let old = *scan.parameters();
-    let turned = |rotor: Rotor, error: f64, rate_error: f64| {
-        let rate = rotor.rate.plus(TurnRate::from_radians_per_second(rate_error));
-        let here = rotor.phase(elapsed).plus(Phase::from_radians(error));
-        Rotor { rate, start: here.plus(rate.after(elapsed).negated()) }
-    };
+    let turned = |rotor, error, rate_error| anchored(rotor, elapsed, error, rate_error);
     ScanParameters {
         alpha_rad: old.alpha_rad + alpha,
         precession: turned(old.precession, precession, precession_rate),

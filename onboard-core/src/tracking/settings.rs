@@ -88,6 +88,7 @@ impl TrackerSettings {
     ///
     /// # Errors
     /// [`SettingsError`] names the first setting out of its range, with its value.
+    #[inline(never)]
     pub fn check(&self) -> Result<(), SettingsError> {
         let within = |value: f64, most: f64| (0.0..=most).contains(&value);
         for (angle, sigma) in ANGLES.into_iter().zip(self.angle_sigmas_rad) {

@@ -220,6 +220,7 @@ impl<'a> MissionTable<'a> {
 
     /// Which Sun model the mission uses.
     #[must_use]
+    #[inline(never)]
     pub fn sun_record(&self) -> SunRecord {
         match (u16_at(self.fixed, 96), rotor_at(self.fixed, 72)) {
             (Some(1), Some(longitude)) => SunRecord::Circular(longitude),
@@ -237,6 +238,7 @@ impl<'a> MissionTable<'a> {
     ///
     /// # Errors
     /// [`EphemerisError::NoSuchBody`] when the model needs the table and it has no Sun.
+    #[inline(never)]
     pub fn sun(&self, table: EphemerisTable<'a>) -> Result<SunModel<'a>, EphemerisError> {
         match self.sun_record() {
             SunRecord::Table => table.body(SUN).map(SunModel::Table),
@@ -388,6 +390,7 @@ fn rotation_at<F>(bytes: &[u8], bad: MissionError) -> Result<Rotation<F, Boresig
     Rotation::from_xyzw(xyzw).map_err(MissionError::Rotation)
 }
 
+#[inline(never)]
 fn put_rotor(bytes: &mut [u8], offset: usize, rotor: Rotor) {
     put(bytes, offset, rotor.rate.bits().to_le_bytes());
     put(bytes, offset.wrapping_add(16), rotor.start.bits().to_le_bytes());
@@ -416,6 +419,7 @@ fn read_detector(
     })
 }
 
+#[inline(never)]
 fn read_avoidance(record: &[u8; AVOIDANCE_BYTES]) -> Option<AvoidanceRecord> {
     let limit = AvoidanceRecord { body: i32_at(record, 8)?, angle_rad: f64_at(record, 0)? };
     let legal = limit.angle_rad > 0.0 && limit.angle_rad <= PI;

@@ -75,7 +75,7 @@ macro_rules! probes {
     ($($name:ident ($($arg:ident: $kind:ty),*) -> $out:ty $body:block)*) => {
         $(
             #[unsafe(no_mangle)]
-            #[allow(improper_ctypes_definitions, reason = "nobody calls it from C")]
+            #[allow(improper_ctypes_definitions, unused_unsafe, reason = "nobody calls it from C")]
             unsafe extern "C" fn $name($($arg: *const $kind),*) -> $out {
                 // SAFETY: never called; the pointers stand for any valid ones.
                 unsafe {
