@@ -322,6 +322,9 @@ pub struct PlanArgs {
     /// Exit 1 where a check of the plan fails
     #[arg(long)]
     pub strict: bool,
+    /// The uplink table's sequence number, growing with every uplink
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub sequence: u32,
 }
 
 /// Elapsed seconds, exact to the nanosecond.

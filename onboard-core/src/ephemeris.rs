@@ -270,7 +270,7 @@ impl BodyTable<'_> {
         let length = f64_from_u64(length_ns);
         let offset = u64::try_from(at.tai_ns().checked_sub(i64_at(record, 16)?)?).ok()?;
         let last = u64::from(granules).wrapping_sub(1);
-        let (mut granule, mut within) = split(offset, length_ns, length);
+        let (mut granule, mut within) = split(offset, length_ns, length)?;
         if granule > last {
             // The end of the last granule belongs to it.
             if within > 0 || granule != u64::from(granules) {
@@ -332,25 +332,22 @@ struct Series<'a> {
     length: f64,
 }
 
-/// Quotient and rest of `offset / length_ns`; `length` is `length_ns` as f64.
+/// Quotient and rest of `offset / length_ns`; `length` is `length_ns` as f64. `None` where the
+/// quotient is above 2^32, which no granule is.
 ///
-/// The quotient of the two as f64, below 2^32, is off by at most one, which the rest tells; a 64-bit
-/// division in software would cost more than all of this. Beyond, the division it is.
-fn split(offset: u64, length_ns: u64, length: f64) -> (u64, u64) {
-    let guess = u32_from_f64(f64_from_u64(offset) / length);
-    if guess == u32::MAX {
-        let granule = offset.checked_div(length_ns).unwrap_or(0);
-        return (granule, offset.wrapping_sub(granule.wrapping_mul(length_ns)));
-    }
-    let guess = u64::from(guess);
+/// The quotient of the two as f64, up to 2^32, is off by at most one, which the rest tells; a 64-bit
+/// division in software would cost more than all of this.
+fn split(offset: u64, length_ns: u64, length: f64) -> Option<(u64, u64)> {
+    let guess = u64::from(u32_from_f64(f64_from_u64(offset) / length));
     let rest = offset.wrapping_sub(guess.wrapping_mul(length_ns));
     if rest < length_ns {
-        (guess, rest)
-    } else if rest.wrapping_sub(length_ns) < length_ns {
-        (guess.wrapping_add(1), rest.wrapping_sub(length_ns))
-    } else {
-        (guess.wrapping_sub(1), rest.wrapping_add(length_ns))
+        return Some((guess, rest));
     }
+    if rest.wrapping_sub(length_ns) < length_ns {
+        return Some((guess.wrapping_add(1), rest.wrapping_sub(length_ns)));
+    }
+    let before = rest.wrapping_add(length_ns);
+    (before < length_ns).then_some((guess.wrapping_sub(1), before))
 }
 
 /// `sum_k c_k T_k(x)`, with the bits of [`chebyshev`].
@@ -446,10 +443,9 @@ mod tests {
             for length in lengths {
                 let edge = length.wrapping_mul(u64::from(k));
                 for offset in [offset, edge, edge.wrapping_sub(1), offset >> 20] {
-                    prop_assert_eq!(
-                        split(offset, length, f64_from_u64(length)),
-                        (offset / length, offset % length)
-                    );
+                    let quotient = offset / length;
+                    let expected = (quotient <= 1 << 32).then_some((quotient, offset % length));
+                    prop_assert_eq!(split(offset, length, f64_from_u64(length)), expected);
                 }
             }
         }

@@ -23,8 +23,6 @@ use std::path::Path;
 const DEFAULT_FOLDER: &str = "gyrfalcon-plan";
 /// What `plan` writes into its folder.
 const FILES: [&str; 3] = ["timeline.json", "timeline.csv", "uplink.tbl"];
-/// Sequence number of a plan's uplink table.
-const SEQUENCE: u32 = 1;
 /// How much of the timeline is printed.
 const SHOWN: Duration = Duration::from_ns(14 * 86_400 * 1_000_000_000);
 
@@ -60,7 +58,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         world: &world,
         ephemeris: &tables.fitted.bytes,
         sessions: Some(&records),
-        sequence: SEQUENCE,
+        sequence: arguments.sequence,
     };
     let files = [timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?];
     let named: Vec<(&str, &[u8])> =

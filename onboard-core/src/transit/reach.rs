@@ -154,35 +154,51 @@ impl Reach {
             .then(|| libm::asin(libm::fmin(trigonometry::sin(reach) / sin_beta, 1.0)) + ROUNDING);
     }
 
-    #[inline(never)]
     fn set_edge(&mut self, motion: &Motion, field: &FieldOfView) {
-        let in_spin = |v: Vector3<f64>| motion.scan.boresight_in_spin().rotate(v);
-        let centre = self.centre;
-        let (reach, margin) = (field.reach_rad(), field.margin_rad());
-        let sin_beta = libm::hypot(centre.x, centre.y);
-        let side = |axis: &Vector3<f64>| Cap::side(in_spin(*axis));
-        self.edge = match (field.caps(), field.rectangle_axes()) {
-            (Caps::Rectangle(_), Some(rectangle)) if margin > 0.0 => Edge::Enlarged(Enlarged {
-                rectangle: Rectangle {
-                    x: in_spin(rectangle.x),
-                    y: in_spin(rectangle.y),
-                    z: centre,
-                    ..rectangle
-                },
-                sin_beta: largest_sine(libm::atan2(sin_beta, centre.z), reach - margin),
-                versine: versine(margin),
-                tolerance: tolerance(margin),
-            }),
-            (Caps::Rectangle([a, b, c, d]), _) => {
-                Edge::Rectangle([side(&a), side(&b), side(&c), side(&d)])
+        match field.shape() {
+            FieldShape::Circle(_) => self.edge = Edge::Circle([self.circle(field.reach_rad())]),
+            FieldShape::Rectangle(..) if field.margin_rad() > 0.0 => {
+                self.set_enlarged(motion, field);
             }
-            (Caps::Circle, _) => Edge::Circle([Cap {
-                axis: centre,
-                sin_beta,
-                versine: versine(reach),
-                tolerance: tolerance(reach),
-            }]),
-        };
+            FieldShape::Rectangle(..) => self.set_sides(motion, field),
+        }
+    }
+
+    #[inline(never)]
+    fn circle(&self, reach: f64) -> Cap {
+        Cap {
+            axis: self.centre,
+            sin_beta: libm::hypot(self.centre.x, self.centre.y),
+            versine: versine(reach),
+            tolerance: tolerance(reach),
+        }
+    }
+
+    #[inline(never)]
+    fn set_sides(&mut self, motion: &Motion, field: &FieldOfView) {
+        let Caps::Rectangle(poles) = field.caps() else { return };
+        let into_spin = motion.scan.boresight_in_spin();
+        self.edge = Edge::Rectangle(poles.map(|pole| Cap::side(into_spin.rotate(pole))));
+    }
+
+    #[inline(never)]
+    fn set_enlarged(&mut self, motion: &Motion, field: &FieldOfView) {
+        let Some(rectangle) = field.rectangle_axes() else { return };
+        let (reach, margin) = (field.reach_rad(), field.margin_rad());
+        let centre = self.centre;
+        let beta = libm::atan2(libm::hypot(centre.x, centre.y), centre.z);
+        let into_spin = motion.scan.boresight_in_spin();
+        self.edge = Edge::Enlarged(Enlarged {
+            rectangle: Rectangle {
+                x: into_spin.rotate(rectangle.x),
+                y: into_spin.rotate(rectangle.y),
+                z: centre,
+                ..rectangle
+            },
+            sin_beta: largest_sine(beta, reach - margin),
+            versine: versine(margin),
+            tolerance: tolerance(margin),
+        });
     }
 
     /// The caps whose intersection the field is; none for an enlarged rectangle.
