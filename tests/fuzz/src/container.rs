@@ -62,8 +62,9 @@ fn check_bytes(container: &Container<'_>, data: &[u8]) {
 fn look(tables: &Tables<'_>, seed: u64) {
     let header = tables.header();
     let scan = tables.mission().strategy();
+    let sun = tables.sun().expect("ruled out by loading");
     for at in instants(&[header.valid_from, header.valid_until], seed) {
-        if let Ok(look) = attitude(scan, &tables.sun(), at) {
+        if let Ok(look) = attitude(&scan, &sun, at) {
             assert!(look.to_xyzw().iter().all(|it| it.is_finite()), "no attitude at {at:?}");
         }
     }
@@ -79,8 +80,9 @@ fn search(tables: &Tables<'_>) {
         let Some(field) = tables.mission().calibration_field(telescope, 0) else { continue };
         let Ok(body) = tables.ephemeris().body(number) else { continue };
         let scan = tables.mission().strategy();
+        let Ok(sun) = tables.sun() else { continue };
         let span = (from, header.valid_until);
-        channels.push(Channel::new(scan, tables.sun(), body, &field, span));
+        channels.push(Channel::new(&scan, sun, body, &field, span));
     }
     let mut finder = TransitFinder::new(&mut channels);
     let mut before = 0;

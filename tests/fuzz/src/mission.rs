@@ -23,7 +23,8 @@ fn check_bytes(mission: &MissionTable<'_>, data: &[u8]) {
     let number = |at: usize| u16::from_le_bytes([data[at], data[at + 1]]);
     let counts = Counts { telescopes: number(98), detectors: number(100), avoidance: number(102) };
     let radius = data[104..112].first_chunk::<8>().map_or(0.0, |it| f64::from_le_bytes(*it));
-    let parameters = mission.strategy().parameters();
+    let strategy = mission.strategy();
+    let parameters = strategy.parameters();
     let sun = mission.sun_record();
     let fixed = MissionTable::fixed_to_le_bytes(parameters, sun, counts, radius);
     assert_eq!(fixed, data[..FIXED_BYTES]);
@@ -79,7 +80,7 @@ pub fn check(mission: &MissionTable<'_>, seed: u64) {
     for at in instants(&[scan.parameters().start], seed) {
         let _ = (scan.phases(at), scan.turns(at), scan.elapsed(at));
         if let SunRecord::Circular(longitude) = mission.sun_record() {
-            let look = attitude(scan, &SunModel::Circular(longitude), at).expect("any time");
+            let look = attitude(&scan, &SunModel::Circular(longitude), at).expect("any time");
             assert!(look.to_xyzw().iter().all(|it| it.is_finite()));
         }
     }
