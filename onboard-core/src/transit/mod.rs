@@ -27,6 +27,7 @@
 //! that spacing. `tests/tests/transits.rs` compares with dense sampling and with independent values.
 
 mod channel;
+mod edge;
 mod search;
 mod confidence;
 mod finder;

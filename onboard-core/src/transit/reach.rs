@@ -3,7 +3,9 @@
 //! All answers are spans in seconds from the instant of a [`Sight`] during which no entry (or, when
 //! inside, no exit) can happen. Each bound holds for any motion within the tables' bounds.
 
-use super::SEPARATION_TOLERANCE_RAD;
+use super::edge::{
+    Cap, Edge, Enlarged, closeness, crossing_free, newton, separation, tolerance, versine,
+};
 use super::sight::{Motion, Sight};
 use crate::field_of_view::{Caps, FieldOfView, FieldShape};
 use crate::rectangle::Rectangle;
@@ -18,48 +20,14 @@ const ROUNDING: f64 = 1e-12;
 const HORIZONS: usize = 3;
 /// Margin in radians that the longest horizon may cost where the field of view is smaller.
 const LONGEST_MARGIN_RAD: f64 = 4e-3;
-/// Refinements of the certified step towards an enlarged rectangle.
-const CHORDS: usize = 6;
 /// Relative inflation of the bound on f'' for rounding.
 const CURVATURE_ROUNDING: f64 = 1.0 + 1e-9;
-
-/// A cap `e . w >= cos r`, with its tolerance.
-#[derive(Debug, Clone, Copy)]
-struct Cap {
-    axis: Vector3<f64>,
-    /// Sine of the axis' angle from the spin axis.
-    sin_beta: f64,
-    /// `1 - cos r`.
-    versine: f64,
-    /// Depth in f below which a crossing may go either way.
-    tolerance: f64,
-}
 
 /// Least and largest angle of a field's points from an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edges {
     pub(super) near: f64,
     pub(super) far: f64,
-}
-
-/// The field of view's edge.
-#[derive(Debug, Clone, Copy)]
-enum Edge {
-    Circle([Cap; 1]),
-    Rectangle([Cap; 4]),
-    Enlarged(Enlarged),
-}
-
-/// A rectangle and all within a margin m of it: `f = max over its points p of p . w - cos m`.
-#[derive(Debug, Clone, Copy)]
-struct Enlarged {
-    rectangle: Rectangle,
-    /// Largest sine of its points' angles from the spin axis.
-    sin_beta: f64,
-    /// `1 - cos m`.
-    versine: f64,
-    /// Depth in f below which a crossing may go either way.
-    tolerance: f64,
 }
 
 /// The precession gate's margins for one horizon.
@@ -433,140 +401,12 @@ impl Reach {
     }
 }
 
-impl Cap {
-    /// A side of a rectangle, by the pole of its great circle.
-    #[inline(never)]
-    fn side(axis: Vector3<f64>) -> Self {
-        let sin_beta = libm::hypot(axis.x, axis.y);
-        Self { axis, sin_beta, versine: 1.0, tolerance: tolerance(FRAC_PI_2) }
-    }
-
-    /// f = cos(separation) - cos r, and its derivative.
-    fn depth(&self, sight: &Sight) -> (f64, f64) {
-        let (closeness, rate) = closeness(&self.axis, sight);
-        (self.versine + closeness, rate)
-    }
-}
-
-impl Enlarged {
-    /// `max p . w - 1`, and its derivative.
-    fn closeness(&self, sight: &Sight) -> (f64, f64) {
-        self.rectangle
-            .nearest(&sight.direction)
-            .map_or((0.0, 0.0), |point| closeness(&point, sight))
-    }
-
-    /// f and its derivative.
-    fn depth(&self, sight: &Sight) -> (f64, f64) {
-        let (closeness, rate) = self.closeness(sight);
-        (self.versine + closeness, rate)
-    }
-
-    /// Seconds without an entry by the bound on every point's f'', at most `longest`.
-    ///
-    /// After h seconds no point's `p . w` exceeds `p . (w + w' h) + M h^2/2`; the largest over all
-    /// points, [`Self::ahead`], is convex in h. The point that is nearest now bounds its root from
-    /// above; between a point below and one above the root, a chord's root lies below it and a
-    /// tangent's above.
-    fn stays_outside(&self, sight: &Sight, curvature: f64, longest: f64) -> f64 {
-        let (depth, rate) = self.depth(sight);
-        if depth >= 0.0 {
-            return 0.0;
-        }
-        let (mut low, mut f_low) = (0.0, depth - self.tolerance);
-        let mut high = libm::fmin(crossing_free(depth, rate, curvature, self.tolerance), longest);
-        for _ in 0..CHORDS {
-            let (f_high, slope) = self.ahead(sight, curvature, high);
-            if f_high <= 0.0 {
-                return high;
-            }
-            let chord = low - f_low * (high - low) / (f_high - f_low);
-            let (f_chord, _) = self.ahead(sight, curvature, chord);
-            high -= f_high / slope;
-            if !(f_chord <= 0.0 && low < chord && chord < high) {
-                break;
-            }
-            (low, f_low) = (chord, f_chord);
-        }
-        low
-    }
-
-    /// The bound on f after `seconds`, less the tolerance, and its slope.
-    fn ahead(&self, sight: &Sight, curvature: f64, seconds: f64) -> (f64, f64) {
-        let there = sight.direction + sight.rate * seconds;
-        let moved = seconds * seconds * squared(&sight.rate);
-        let bend = 0.5 * curvature * seconds * seconds - self.tolerance;
-        let Some(point) = self.rectangle.nearest(&there) else {
-            // The largest p . u is |u|.
-            let length = libm::sqrt(1.0 + moved);
-            let slope = seconds * squared(&sight.rate) / length + curvature * seconds;
-            return (self.versine + moved / (1.0 + length) + bend, slope);
-        };
-        // p . u - 1 from the chord: |u|^2 = 1 + |w'|^2 h^2.
-        let off = point - there;
-        let along = point.x * sight.rate.x + point.y * sight.rate.y + point.z * sight.rate.z;
-        let value = self.versine - 0.5 * squared(&off) + 0.5 * moved + bend;
-        (value, along + curvature * seconds)
-    }
-}
-
-/// Seconds back to f = 0 where f' has the sign given; 0 or infinity where Newton cannot tell.
-#[inline(never)]
-fn newton((depth, rate): (f64, f64), sense: f64) -> f64 {
-    if rate * sense > 0.0 {
-        libm::fmax(depth / rate, 0.0)
-    } else if sense > 0.0 {
-        f64::INFINITY
-    } else {
-        0.0
-    }
-}
-
 /// Largest sine of the angles within `reach` of `beta`.
 fn largest_sine(beta: f64, reach: f64) -> f64 {
     if libm::fabs(beta - FRAC_PI_2) <= reach {
         return 1.0;
     }
     libm::fmax(trigonometry::sin(beta - reach), trigonometry::sin(beta + reach))
-}
-
-/// Angle between two unit vectors.
-fn separation(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-    let across = a.cross(b);
-    libm::atan2(libm::sqrt(squared(&across)), a.x * b.x + a.y * b.y + a.z * b.z)
-}
-
-fn squared(v: &Vector3<f64>) -> f64 {
-    v.x * v.x + v.y * v.y + v.z * v.z
-}
-
-/// `e . w - 1` from the chord, so that small separations keep their digits, and its derivative.
-#[inline(never)]
-fn closeness(axis: &Vector3<f64>, sight: &Sight) -> (f64, f64) {
-    let chord = axis - sight.direction;
-    let squared = chord.x * chord.x + chord.y * chord.y + chord.z * chord.z;
-    let rate = chord.x * sight.rate.x + chord.y * sight.rate.y + chord.z * sight.rate.z;
-    (-0.5 * squared, rate)
-}
-
-/// `1 - cos r`.
-fn versine(radius: f64) -> f64 {
-    let sin = trigonometry::sin(0.5 * radius);
-    2.0 * sin * sin
-}
-
-/// The separation tolerance expressed in f, with a floor for rounding.
-fn tolerance(radius: f64) -> f64 {
-    SEPARATION_TOLERANCE_RAD * libm::fabs(trigonometry::sin(radius)) + 2e-15 * versine(radius)
-}
-
-/// Seconds h up to which `f + f' h + M h^2/2` stays below `tolerance`, for f <= 0.
-#[inline(never)]
-fn crossing_free(f: f64, rate: f64, curvature: f64, tolerance: f64) -> f64 {
-    let missing = tolerance - f;
-    let root = libm::sqrt(rate * rate + 2.0 * curvature * missing);
-    // Two forms of the same root, each without cancellation.
-    if rate >= 0.0 { 2.0 * missing / (rate + root) } else { (root - rate) / curvature }
 }
 
 /// Seconds, not less than `from`, until the target's angle from the spin axis can be within the
