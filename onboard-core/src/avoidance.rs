@@ -53,7 +53,7 @@ pub enum Zone {
     /// At every direction: the body cannot be far enough from the field of view.
     Everywhere,
     /// While the body is inside this field of view, to be searched by a
-    /// [`Channel`](crate::transit::Channel).
+    /// [`Channel`].
     Inside(FieldOfView),
 }
 

@@ -1,11 +1,11 @@
 //! How much work is a tick of the sequencer and an update of the tracker, in ticks of the clock.
 //!
-//! Block: the sequencer's settings as in [`sequencer`](crate::sequencer), one clock correlation (72
+//! Block: the sequencer's settings as in [`mod@sequencer`], one clock correlation (72
 //! bytes), a container (u32 bytes, then it), ticks (counter u64, step u64, count u32); then a
 //! container (u32 bytes, then it), a tracker's settings, epoch and measurements as in
-//! [`tracking`](crate::tracking).
+//! [`tracking`].
 //!
-//! Three measurements leave as in [`meter`](crate::meter): ticks that made no evaluation, ticks that
+//! Three measurements leave as in [`crate::meter`]: ticks that made no evaluation, ticks that
 //! did, and updates accepted.
 //!
 //! Limits: each is timed alone, so that one tick of the clock is the error of each; the means are

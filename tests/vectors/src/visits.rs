@@ -2,7 +2,7 @@
 //!
 //! Block: a container (u32 bytes, then it), a covariance (3 variances, 3 covariances, f64), ends of
 //! the bins in seconds (dwell, revisit, gap: low and high f64; dwell linear, the others logarithmic),
-//! then a search as in [`transits`](crate::transits). A target is a channel.
+//! then a search as in [`transits`]. A target is a channel.
 
 use crate::Malformed;
 use crate::reader::Reader;
