@@ -124,8 +124,9 @@ fn the_plan_on_board_is_carried_out() {
 fn sessions_that_come_too_close_to_the_sun_are_skipped() {
     let folder = tempfile::tempdir().unwrap();
     let limit = "calibration.schedule.avoidance=[{ body = \"sun\", angle_deg = 90.0 }]";
-    let bytes = plan(folder.path(), &["--duration", "20d", "--set", limit]);
+    let bytes = plan(folder.path(), &["--duration", "20d", "--set", limit, "--sequence", "7"]);
     let tables = Tables::load(&bytes).unwrap();
+    assert_eq!(tables.header().sequence, 7);
     let avoided = SkipReason::Avoidance(SUN_AS_TARGET);
     let (mut planned, mut skipped) = (0, 0);
     for telescope in 0..3 {
