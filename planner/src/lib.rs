@@ -5,5 +5,6 @@
 //! hertz, times nanoseconds of TAI; degrees, minutes and rpm belong to files and reports.
 
 pub mod constraints;
+pub mod healpix;
 pub mod opportunity;
 pub mod schedule;
