@@ -8,3 +8,4 @@ pub mod constraints;
 pub mod healpix;
 pub mod opportunity;
 pub mod schedule;
+pub mod survey;

@@ -1,0 +1,72 @@
+//! When is a sample taken, and how far has each rotation turned by then.
+//!
+//! Sample j lies at exactly j / `f_s` after the mission's start. Rotations are the flight core's
+//! [`Rotor`]s on a clock that ticks once per sample: their rates are turns per sample with 128
+//! fractional bits, so phases are exact and the core's own functions give them, the sample's number
+//! standing where nanoseconds do.
+//!
+//! Limits: 2^62 samples; precession and spin below half a turn per sample.
+
+use onboard_core::phase::{Phase, Rotor, TurnRate};
+use onboard_core::time::{Duration, Instant};
+
+/// The instants of samples, and the strategy on their clock.
+#[derive(Debug, Clone, Copy)]
+pub struct SampledScan {
+    /// Instant of sample 0, where all rotors have their start phase.
+    pub start: Instant,
+    /// Time between samples in 2^-64 ns, rounded up, so that whole multiples fall on their ns.
+    pub period: u128,
+    /// Angle from the anti-Sun axis to the spin axis in radians.
+    pub alpha_rad: f64,
+    /// Angle from the spin axis to the boresight in radians.
+    pub beta_rad: f64,
+    /// Precession, turns per sample.
+    pub precession: Rotor,
+    /// Spin, turns per sample.
+    pub spin: Rotor,
+}
+
+impl SampledScan {
+    /// Time from the start to sample `j`, rounded down to ns.
+    #[must_use]
+    pub fn elapsed(&self, j: u64) -> Duration {
+        let whole = (self.period >> 64).wrapping_mul(u128::from(j));
+        let rest = ((self.period & u128::from(u64::MAX)) * u128::from(j)) >> 64;
+        Duration::from_ns(i64::try_from(whole + rest).unwrap_or(i64::MAX))
+    }
+
+    /// The instant of sample `j`, rounded down to ns.
+    #[must_use]
+    pub fn instant(&self, j: u64) -> Instant {
+        self.start.plus(self.elapsed(j))
+    }
+
+    /// The first sample at `elapsed` or later.
+    #[must_use]
+    pub fn first_sample_at(&self, elapsed: Duration) -> u64 {
+        let ns = u128::from(elapsed.ns().max(0).unsigned_abs());
+        // j >= ns 2^64 / period, at most one off for the rounding of 2^-64 ns.
+        let estimate = (ns << 64).div_ceil(self.period.max(1));
+        u64::try_from(estimate).unwrap_or(u64::MAX)
+    }
+
+    /// Seconds between samples.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "53 digits are wanted")]
+    pub fn period_s(&self) -> f64 {
+        self.period as f64 / 18_446_744_073_709_551_616.0 * 1e-9
+    }
+}
+
+/// The angle of a rotor on the sample clock at sample `j`.
+#[must_use]
+pub fn phase_at(rotor: Rotor, j: u64) -> Phase {
+    rotor.phase(Duration::from_ns(j.cast_signed()))
+}
+
+/// Radians per sample of a rate on the sample clock, in [-pi, pi).
+#[must_use]
+pub fn radians_per_sample(rate: TurnRate) -> f64 {
+    rate.radians_per_second() * 1e-9
+}
