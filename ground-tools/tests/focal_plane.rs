@@ -194,7 +194,7 @@ fn what_the_model_does_not_have_is_named_with_what_it_has() {
         of("channel = \"H1-119\", names = [\"H00_001_Q_119T\", \"L00_003_QA_040B\"]"),
         line(
             "names = \"L00_003_QA_040B\" is not legal: a detector of imo_original.json in channel \
-             H1-119 (H00_001_Q_119B, H00_002_U_119B, H00_001_Q_119T, H00_002_U_119T) is needed"
+             H1-119 (H00_001_Q_119B, H00_001_Q_119T, H00_002_U_119B, H00_002_U_119T) is needed"
         )
     );
     for (release, known) in [("v9", "v0, v1, v2"), ("v0", "v0, v1, v2")] {
