@@ -47,12 +47,13 @@ fn names(telescope: &Telescope) -> Vec<&str> {
 /// Radial offset, position angle and polarisation angle in degrees, from the axes.
 fn mounted(detector: &NamedDetector) -> [f64; 3] {
     let [x, y, z] = detector.rotation.apply(Direction::Z).xyz();
-    let (r, a) = (x.hypot(y).atan2(z), y.atan2(x));
+    let (offset, place) = (x.hypot(y).atan2(z), y.atan2(x));
     let [ux, uy, uz] = detector.rotation.apply(Direction::new(1.0, 0.0, 0.0).unwrap()).xyz();
     // The x axis of polarisation angle g lies g - a from the outward direction.
-    let outward = ux * r.cos() * a.cos() + uy * r.cos() * a.sin() - uz * r.sin();
-    let sideward = uy * a.cos() - ux * a.sin();
-    [r, a, sideward.atan2(outward) + a].map(f64::to_degrees)
+    let outward =
+        ux * offset.cos() * place.cos() + uy * offset.cos() * place.sin() - uz * offset.sin();
+    let sideward = uy * place.cos() - ux * place.sin();
+    [offset, place, sideward.atan2(outward) + place].map(f64::to_degrees)
 }
 
 fn near(detector: &NamedDetector, expected: [f64; 3]) {

@@ -140,11 +140,12 @@ mod tests {
         // 18 deg along y, 8 deg along x, every 2 deg: 9 columns from -8 to 8, 5 rows from -4 to 4.
         let found = directions(FieldShape::Rectangle(degrees(18.0), degrees(8.0)), 2.0);
         assert_eq!(found.len(), 45);
-        for (index, [x, y, z]) in found.iter().enumerate() {
-            let (row, column) = (index / 9, index % 9);
-            let expect = |step: usize, middle: f64| degrees(2.0 * (step as f64 - middle));
-            assert!((x.atan2(*z) - expect(row, 2.0)).abs() < 1e-14, "{index}");
-            assert!((y.atan2(*z) - expect(column, 4.0)).abs() < 1e-14, "{index}");
+        let rows = [-4.0, -2.0, 0.0, 2.0, 4.0];
+        let columns = [-8.0, -6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0, 8.0];
+        let expected = rows.iter().flat_map(|u| columns.iter().map(move |v| (*u, *v)));
+        for ([x, y, z], (u, v)) in found.iter().zip(expected) {
+            assert!((x.atan2(*z) - degrees(u)).abs() < 1e-14, "{u} {v}");
+            assert!((y.atan2(*z) - degrees(v)).abs() < 1e-14, "{u} {v}");
         }
     }
 

@@ -4,7 +4,7 @@
 //! a detector's `quaternion_xyzw` takes detector components to its telescope's. What leaves here is
 //! `Rotation<Detector, Boresight>`, the product. `hwp_sign` +1 is the sense of the crossing angle.
 //!
-//! Detectors are listed, or come from the key `detectors` ([`crate::mission::focal_plane`]).
+//! Detectors are listed, or come from the key `detectors` (`mission::focal_plane`).
 
 use crate::document::Value;
 use crate::fault::{Problem, Warning};
