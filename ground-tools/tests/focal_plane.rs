@@ -386,3 +386,28 @@ fn ground_table(path: &Path) -> u64 {
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     told["detectors"].as_u64().unwrap()
 }
+
+#[test]
+fn many_detectors_on_board_are_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let mission = folder.path().join("m.toml");
+    let out = folder.path().join("uplink.tbl");
+    let build = |spacing: &str| {
+        let text = telescope_text(&format!("{{ grid_deg = {spacing} }}"));
+        fs::write(&mission, text + "field_of_view = { radius_deg = 14 }\n").unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_gyrfalcon"))
+            .args(["table", "build", "--mission", mission.to_str().unwrap()])
+            .args(["--duration", "5d", "--out", out.to_str().unwrap()])
+            .output()
+            .unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{error}");
+        (error, ground_table(&out))
+    };
+    assert_eq!(build("2"), (String::new(), 149));
+    let (warning, detectors) = build("1");
+    assert_eq!(detectors, 613);
+    let start = "warning: telescope T has 613 detectors, all of which go on board: the sequencer's \
+                 check of one of its sessions takes at least 1226 ticks";
+    assert!(warning.starts_with(start), "{warning}");
+}
