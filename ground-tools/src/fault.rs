@@ -73,6 +73,28 @@ pub enum Problem {
         /// What the system said.
         reason: String,
     },
+    /// A file named by a key that cannot be read.
+    #[error("{key} = {value} cannot be read: {reason}")]
+    UnreadableFile {
+        /// The key.
+        key: String,
+        /// The path as written.
+        value: String,
+        /// What the system said.
+        reason: String,
+    },
+    /// Text that is not JSON.
+    #[error("not JSON: {message}")]
+    NotJson {
+        /// What the JSON reader said.
+        message: String,
+    },
+    /// Faults of one file beyond those that are listed.
+    #[error("{count} more entries are faulty")]
+    More {
+        /// How many.
+        count: usize,
+    },
     /// Neither a preset nor a file.
     #[error("{name} is neither a preset ({presets}) nor a file")]
     NoSuchMission {
@@ -196,6 +218,19 @@ pub enum Warning {
     PolesPassedBy {
         /// The absolute difference of alpha and beta in degrees.
         difference: String,
+    },
+    /// Pairs of detectors that should differ in polarisation angle and do not.
+    #[error(
+        "{key}: {count} pairs of detectors, the first {first}, differ in pol but neither in quat nor \
+         in pol_angle_rad: both of a pair get the same polarisation angle"
+    )]
+    PolarisationUnsaid {
+        /// The key of the detectors' source.
+        key: String,
+        /// How many pairs.
+        count: usize,
+        /// Names of the first.
+        first: String,
     },
     /// A constraint is present that this version does not honour.
     #[error("{key} is not honoured by this version: results are as if it were absent")]

@@ -1,4 +1,5 @@
-//! What the reading of a mission found wrong, and the nearest legal key of each unknown one.
+//! What the reading of a mission found wrong, and the nearest legal key of each unknown one; the
+//! names nearest to one that is not there.
 //!
 //! Method: Jaro-Winkler similarity of the last segment, which favours a common start (`fwhm_deg` for
 //! `fwhm_arcmin`); a key of another table counts 0.85 of it.
@@ -47,6 +48,16 @@ fn split(path: &str) -> (&str, &str) {
     path.rsplit_once('.').unwrap_or(("", path))
 }
 
+/// Names in a sentence, those nearest to `name` first, at most eight and the number of the others.
+pub(crate) fn nearest_first(name: &str, mut known: Vec<&str>) -> String {
+    known.sort_by_key(|it| strsim::damerau_levenshtein(name, it));
+    let (nearest, others) = known.split_at(known.len().min(8));
+    match others.len() {
+        0 => nearest.join(", "),
+        count => format!("{} and {count} more", nearest.join(", ")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,5 +88,14 @@ mod tests {
         ] {
             assert_eq!(nearest(unknown, &known), expected, "{unknown}");
         }
+    }
+
+    #[test]
+    fn the_nearest_names_come_first() {
+        let known: Vec<String> = (0..12).map(|index| format!("det{index}")).collect();
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        let told = nearest_first("dot7", known);
+        assert_eq!(told, "det7, det0, det1, det2, det3, det4, det5, det6 and 4 more");
+        assert_eq!(nearest_first("x", vec!["b", "a"]), "b, a");
     }
 }

@@ -6,7 +6,8 @@
 //! Method: keys stand in the order in which they are read, numbers in the user's own decimals; a
 //! key that may be absent and is says `"none"`.
 //!
-//! Limits: files that a mission names enter by name, not by content.
+//! Limits: files that a mission names enter by name, not by content, but instrument models with
+//! their SHA-256.
 
 use sha2::{Digest, Sha256};
 use std::fmt::Write;

@@ -10,7 +10,7 @@
 //! Limits: a table that is absent offers no keys of its own to the search for the nearest one.
 
 use crate::document::{Node, Place, Table, Value, name_of};
-use crate::fault::Problem;
+use crate::fault::{Fault, Problem};
 use crate::findings::Findings;
 use crate::number::Number;
 use crate::range::Range;
@@ -82,6 +82,11 @@ impl<'a> Section<'a> {
 
     pub(crate) fn fault(&self, place: &Place, problem: Problem) {
         self.findings.borrow_mut().faults.push(place.fault(problem));
+    }
+
+    /// A fault of a file that this table names.
+    pub(crate) fn report(&self, fault: Fault) {
+        self.findings.borrow_mut().faults.push(fault);
     }
 
     pub(crate) fn record(&mut self, key: &str, value: String) {

@@ -5,6 +5,7 @@
 //! `calibration.radius_deg`; one with detectors through each of them.
 
 use crate::failure::Failure;
+use crate::findings::nearest_first;
 use crate::mission::Mission;
 use crate::mission::telescope::{NamedDetector, Telescope};
 use onboard_core::field_of_view::{FieldOfView, FieldShape};
@@ -15,7 +16,7 @@ use onboard_core::rotation::{Rotation, RotationError};
 /// Stands where there is no telescope or no detector.
 pub const NONE: &str = "-";
 
-/// Rotation and size of a field of view, as bits.
+/// Where a field of view is and its size, as bits.
 pub type View = ([u64; 4], [u64; 2]);
 
 /// One line of sight and what counts as inside.
@@ -45,11 +46,14 @@ impl SightLine {
     /// Equal, to the bit, for lines of sight that have the same directions inside at all times.
     #[must_use]
     pub fn view(&self) -> View {
-        let shape = match self.field.shape() {
-            FieldShape::Circle(radius) => [radius, 0.0],
-            FieldShape::Rectangle(width, height) => [width, height],
+        let (place, shape) = match self.field.shape() {
+            FieldShape::Circle(radius) => {
+                let [x, y, z] = self.field.centre().xyz();
+                ([x, y, z, 0.0], [radius, 0.0])
+            }
+            FieldShape::Rectangle(width, height) => (self.rotation.to_xyzw(), [width, height]),
         };
-        (self.rotation.to_xyzw().map(f64::to_bits), shape.map(f64::to_bits))
+        (place.map(f64::to_bits), shape.map(f64::to_bits))
     }
 }
 
@@ -216,18 +220,10 @@ fn one_detector(
 
 /// Says what there is instead, the nearest first.
 fn no_such<'n>(option: &str, name: &str, known: impl Iterator<Item = &'n str>) -> Failure {
-    let mut known: Vec<&str> = known.collect();
-    known.sort_by_key(|it| strsim::damerau_levenshtein(name, it));
-    let (nearest, others) = known.split_at(known.len().min(8));
-    let more = match others.len() {
-        0 => String::new(),
-        count => format!(" and {count} more"),
-    };
-    if nearest.is_empty() {
+    let known: Vec<&str> = known.collect();
+    if known.is_empty() {
         return Failure::Input(format!("{option} {name}: the mission lists none"));
     }
-    Failure::Input(format!(
-        "{option} {name} is not in the mission: it has {}{more}",
-        nearest.join(", ")
-    ))
+    let known = nearest_first(name, known);
+    Failure::Input(format!("{option} {name} is not in the mission: it has {known}"))
 }

@@ -139,6 +139,30 @@ fn plan_section(sessions: &[SessionRecord]) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
+/// Ticks of the sequencer in an hour, one every 10 s.
+const TICKS_OF_AN_HOUR: usize = 360;
+
+/// Telescopes whose sessions take the sequencer on board longer to check than an hour, in words.
+///
+/// A check takes two ticks at least for each detector, and as many for each avoidance limit.
+#[must_use]
+pub fn slow_checks(world: &World) -> Vec<String> {
+    let searches = 1 + world.avoided.len();
+    let telescopes = world.mission.telescopes.iter().filter_map(|telescope| {
+        let detectors = telescope.detectors.len();
+        let ticks = 2 * searches * detectors;
+        (ticks > TICKS_OF_AN_HOUR).then(|| {
+            format!(
+                "telescope {} has {detectors} detectors, all of which go on board: the sequencer's \
+                 check of one of its sessions takes at least {ticks} ticks, so check_ahead must be \
+                 longer than that, or fewer detectors selected",
+                telescope.name
+            )
+        })
+    });
+    telescopes.collect()
+}
+
 /// Why a container is refused, in words.
 #[must_use]
 pub fn told(error: UplinkError) -> String {

@@ -6,12 +6,16 @@
 //!
 //! Method: one reader per section, in the order of the sections; the readers are the schema.
 //!
-//! Limits: files that a mission names (trajectory, directions, contacts, blackouts) are not opened.
+//! Limits: of the files that a mission names only instrument models are opened, not trajectory,
+//! directions, contacts and blackouts.
 
 mod file;
 pub mod span;
 pub mod scan;
 pub mod orbit;
+mod imo;
+mod grid;
+mod focal_plane;
 pub mod telescope;
 pub mod schedule;
 pub mod calibration;
@@ -163,7 +167,7 @@ impl Mission {
         let scan = top.table("scan", Scan::read);
         let tolerance = top.table("tolerance", Tolerance::read);
         let orbit = top.table("orbit", Orbit::read);
-        let telescopes = top.tables("telescope", Telescope::read);
+        let telescopes = top.tables("telescope", |s| Telescope::read(s, &directory));
         duplicates(&top, "telescope", telescopes.iter().map(|t| t.name.as_str()));
         let calibration = top.table("calibration", |s| Calibration::read(s, telescopes.len()));
         let product = top.table("product", |s| Product::read(s, &name));
@@ -173,7 +177,7 @@ impl Mission {
             return Err(MissionError::new(faults));
         };
         let mut warnings = scan.warnings();
-        warnings.extend(telescopes.iter().filter_map(Telescope::warning));
+        warnings.extend(telescopes.iter().filter_map(|telescope| telescope.warning.clone()));
         warnings.extend(
             calibration
                 .schedule

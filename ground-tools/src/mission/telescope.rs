@@ -4,11 +4,11 @@
 //! a detector's `quaternion_xyzw` takes detector components to its telescope's. What leaves here is
 //! `Rotation<Detector, Boresight>`, the product. `hwp_sign` +1 is the sense of the crossing angle.
 //!
-//! Limits: detectors from a file are not read; a grid of detectors is checked but not laid out (the
-//! mission then carries a warning).
+//! Detectors are listed, or come from the key `detectors` (`mission::focal_plane`).
 
 use crate::document::Value;
 use crate::fault::{Problem, Warning};
+use crate::mission::focal_plane::{FocalPlane, Mount};
 use crate::mission::scan::{PHASE, phase_of_degrees};
 use crate::number::Number;
 use crate::range::Range;
@@ -18,6 +18,7 @@ use onboard_core::field_of_view::FieldOfView;
 use onboard_core::frame::{self, Boresight};
 use onboard_core::phase::Rotor;
 use onboard_core::rotation::{NORM_TOLERANCE, Rotation, RotationError};
+use std::path::Path;
 
 /// A telescope as mounted.
 #[derive(Debug, Clone)]
@@ -36,10 +37,12 @@ pub struct Telescope {
     pub fwhm_rad: f64,
     /// `None` is the circle of `calibration.radius_deg`.
     pub field_of_view: Option<FieldOfView>,
-    /// The detectors listed.
+    /// The detectors: listed, of an instrument model, or of a grid.
     pub detectors: Vec<NamedDetector>,
-    /// Spacing of a grid of detectors over the field of view.
+    /// Spacing of the grid that laid them out, where one did.
     pub detector_grid_deg: Option<Number>,
+    /// What should be known about them.
+    pub(crate) warning: Option<Warning>,
 }
 
 /// A detector as mounted.
@@ -61,10 +64,9 @@ const FWHM: Range = Range::positive("an angle", 10800.0, "arcmin");
 const RADIUS: Range = Range::positive("an angle", 180.0, "deg");
 const SIDE: Range = Range::positive("an angle", 180.0, "deg").below_high();
 const COMPONENT: Range = Range::closed("a component", -1.000_001, 1.000_001, "");
-const SPACING: Range = Range::positive("an angle", 180.0, "deg");
 
 impl Telescope {
-    pub(crate) fn read(section: &mut Section<'_>) -> Self {
+    pub(crate) fn read(section: &mut Section<'_>, directory: &Path) -> Self {
         let name = section.name("name", None);
         let rotation = rotation(section, "boresight_quaternion_xyzw");
         let hwp_rate_rpm = section.optional_number("hwp_rate_rpm", &HWP_RATE);
@@ -72,16 +74,19 @@ impl Telescope {
         let phase = section.number("hwp_phase_deg", &PHASE, Some("0.0"));
         let fwhm_arcmin = section.number("fwhm_arcmin", &FWHM, None);
         let field_of_view = field_of_view(section, rotation);
-        let detectors = section.tables("detector", |s| NamedDetector::read(s, rotation));
-        duplicates(section, "detector", detectors.iter().map(|detector| detector.name.as_str()));
-        let detector_grid_deg = detector_source(section);
-        if !detectors.is_empty() && detector_grid_deg.is_some() {
+        let listed = section.tables("detector", |s| NamedDetector::read(s, rotation));
+        duplicates(section, "detector", listed.iter().map(|detector| detector.name.as_str()));
+        let mount = Mount { directory, rotation, field_of_view: field_of_view.as_ref() };
+        let plane = FocalPlane::read(section, &mount);
+        if !listed.is_empty() && plane.is_some() {
             let problem = Problem::Exclusive {
                 first: section.key("detector"),
                 second: section.key("detectors"),
             };
             section.fault(&section.place_of("detectors"), problem);
         }
+        let plane =
+            plane.unwrap_or_else(|| FocalPlane { detectors: listed, ..FocalPlane::default() });
         Self {
             name,
             rotation,
@@ -93,14 +98,10 @@ impl Telescope {
             fwhm_rad: rounding::radians(&fwhm_arcmin.times(1, 60)),
             fwhm_arcmin,
             field_of_view,
-            detectors,
-            detector_grid_deg,
+            detectors: plane.detectors,
+            detector_grid_deg: plane.grid_deg,
+            warning: plane.warning,
         }
-    }
-
-    pub(crate) fn warning(&self) -> Option<Warning> {
-        let key = format!("telescope.{}.detectors.grid_deg", self.name);
-        self.detector_grid_deg.as_ref().map(|_| Warning::NotHonoured { key })
     }
 }
 
@@ -168,28 +169,6 @@ fn field_of_view(
             FieldOfView::circle(rotation, rounding::radians(radius.exact())).ok()
         }
     })?
-}
-
-/// `detectors = { grid_deg }` or `{ file, channel }`.
-fn detector_source(section: &mut Section<'_>) -> Option<Number> {
-    let file_key = section.key("detectors.file");
-    let spacing = section.inline("detectors", |section| {
-        let file = section.find("file");
-        section.knows(&["channel"]);
-        if let Some(node) = file {
-            let problem = Problem::Unsupported {
-                key: file_key,
-                value: node.value.to_string(),
-                need: "a list of [[telescope.detector]] tables".to_owned(),
-            };
-            section.fault(&node.place, problem);
-            section.knows(&["grid_deg"]);
-            None
-        } else {
-            Some(section.number("grid_deg", &SPACING, None))
-        }
-    });
-    spacing.flatten()
 }
 
 /// Faults for names that occur twice in a list of tables.

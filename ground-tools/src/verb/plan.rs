@@ -1,6 +1,6 @@
 //! `gyrfalcon plan`: the calibration timeline, the main job.
 
-use super::{print_json, tell, world};
+use super::{print_json, tell, warn, world};
 use crate::cli::{PlanArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::mission::schedule::Exclusive as ExclusiveKey;
@@ -9,7 +9,7 @@ use crate::passes::{Found, search};
 use crate::provenance::PROGRAM;
 use crate::sightline::{SightLine, of_plan};
 use crate::timeline::{Planned, Timeline};
-use crate::uplink::Contents;
+use crate::uplink::{Contents, slow_checks};
 use crate::world::World;
 use ephem::fit::FitOptions;
 use ephem::time::{utc_day, utc_midnight};
@@ -35,6 +35,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     }
     refuse_others_folder(&folder, arguments.force)?;
     let world = world(shared)?;
+    warn(shared, &slow_checks(&world));
     let tables = world.tables(&FitOptions::UPLINK)?;
     let table = tables.parse()?;
     let lines = of_plan(&world.mission)?;

@@ -6,14 +6,14 @@ mod diff;
 mod inspect;
 mod records;
 
-use super::{print_json, tell, world};
+use super::{print_json, tell, warn, world};
 use crate::cli::{SharedArgs, TableVerb};
 use crate::failure::Failure;
 use crate::mission::Mission;
 use crate::output::Sink;
 use crate::quantity;
 use crate::rounding;
-use crate::uplink::{Contents, contents_told, digest};
+use crate::uplink::{Contents, contents_told, digest, slow_checks};
 use ephem::fit::{FitOptions, MILLIARCSECOND_RAD};
 use ephem::kernel::body_name;
 use ephem::source::{SUN_AS_TARGET, Source};
@@ -52,6 +52,7 @@ fn build(
     sequence: u32,
 ) -> Result<(), Failure> {
     let mut world = world(shared)?;
+    warn(shared, &slow_checks(&world));
     if !bodies.is_empty() {
         let known = std::mem::take(&mut world.targets);
         for name in bodies {
