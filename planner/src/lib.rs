@@ -7,4 +7,5 @@
 pub mod constraints;
 pub mod healpix;
 pub mod opportunity;
+pub mod visits;
 pub mod schedule;
