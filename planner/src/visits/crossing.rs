@@ -10,7 +10,7 @@
 //! bisection to a nanosecond. So every corner cut deeper than the tolerance is found.
 //!
 //! Limits: visits that reach less deep than [`DEPTH_TOLERANCE_RAD`] may be missed, as may absences
-//! of that depth. `tests/tests/pixel_visits.rs` compares with dense sampling.
+//! of that depth. `planner/tests/pixel_visits.rs` compares with dense sampling.
 
 use super::boundary::Boundary;
 use super::fixed::{BODY, FixedDirection};
