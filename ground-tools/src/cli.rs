@@ -174,7 +174,7 @@ pub struct VisitsArgs {
     #[arg(long, value_name = "N", value_delimiter = ',')]
     pub pixel: Vec<u32>,
     /// The pixel that holds a colatitude and longitude: 45deg,180deg; again and again
-    #[arg(long, value_name = "THETA,PHI", action = ArgAction::Append)]
+    #[arg(long, value_name = "THETA,PHI", action = ArgAction::Append, allow_hyphen_values = true)]
     pub theta_phi: Vec<String>,
     /// The three pixels of the paper's section 6.2, which are (0, 0), (45, 180) and (90, 180) deg
     #[arg(long)]
@@ -198,7 +198,7 @@ pub struct VisitsArgs {
     #[arg(long)]
     pub sampled: bool,
     /// Sampling rate in Hz; without it the mission's
-    #[arg(long, value_name = "HZ", requires = "sampled")]
+    #[arg(long, value_name = "HZ", requires = "sampled", allow_hyphen_values = true)]
     pub rate: Option<String>,
 }
 

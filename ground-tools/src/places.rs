@@ -49,8 +49,8 @@ impl Numbering {
     /// # Errors
     /// [`Failure::Input`] where nside is no power of two, or too large.
     pub fn new(nside: u32, nested: bool) -> Result<Self, Failure> {
-        let nside = Nside::new(nside)
-            .map_err(|error| Failure::Input(format!("--nside: {error}")))?;
+        let nside =
+            Nside::new(nside).map_err(|error| Failure::Input(format!("--nside: {error}")))?;
         Ok(Self { nside, ordering: if nested { Ordering::Nested } else { Ordering::Ring } })
     }
 
@@ -115,8 +115,7 @@ pub fn direction(text: &str) -> Result<FixedPlace, Failure> {
             "--direction {text}: a latitude from -90 to 90 deg is needed"
         )));
     }
-    let there =
-        Direction::from_longitude_latitude(longitude.to_radians(), latitude.to_radians());
+    let there = Direction::from_longitude_latitude(longitude.to_radians(), latitude.to_radians());
     Ok(FixedPlace {
         name: format!("direction:{}", text.replace(' ', "").replace(',', ":")),
         shape: PlaceShape::Direction(there),
@@ -146,9 +145,7 @@ mod tests {
         let names: Vec<String> =
             numbering.of_the_paper().into_iter().map(|place| place.name).collect();
         assert_eq!(names, ["pixel:64:ring:0", "pixel:64:ring:7200", "pixel:64:ring:24576"]);
-        for (text, name) in
-            ["0deg,0deg", "45deg,180deg", "90deg,180 deg"].iter().zip(&names)
-        {
+        for (text, name) in ["0deg,0deg", "45deg,180deg", "90deg,180 deg"].iter().zip(&names) {
             assert_eq!(&numbering.holding(text).unwrap().name, name);
         }
     }

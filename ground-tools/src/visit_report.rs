@@ -103,7 +103,8 @@ pub struct ToldGap {
 #[must_use]
 pub fn marks(world: &World) -> Vec<Mark> {
     let scan = &world.mission.scan;
-    let minutes = |name, period: &crate::number::Number| Mark { name, seconds: period.to_f64() * 60.0 };
+    let minutes =
+        |name, period: &crate::number::Number| Mark { name, seconds: period.to_f64() * 60.0 };
     vec![
         minutes("spin", &scan.spin_period_min),
         minutes("precession", &scan.precession_period_min),

@@ -162,14 +162,12 @@ fn places(arguments: &VisitsArgs) -> Result<Vec<FixedPlace>, Failure> {
 }
 
 /// The sampling rate in Hz, and as a ratio.
-fn rate(
-    arguments: &VisitsArgs,
-    world: &World,
-) -> Result<(f64, (NonZeroU64, NonZeroU64)), Failure> {
+fn rate(arguments: &VisitsArgs, world: &World) -> Result<(f64, (NonZeroU64, NonZeroU64)), Failure> {
     let number: Number = match &arguments.rate {
         None => world.mission.scan.sampling_rate_hz.clone(),
-        Some(text) => quantity::hertz(text)
-            .map_err(|error| Failure::Input(format!("--rate: {error}")))?,
+        Some(text) => {
+            quantity::hertz(text).map_err(|error| Failure::Input(format!("--rate: {error}")))?
+        }
     };
     let exact = number.exact();
     if exact.is_negative() || exact.is_zero() {

@@ -16,7 +16,7 @@
 //!
 //! **Distance.** The gradients on the sphere are at most `N sqrt(0.75^2 + 0.855^2) = 1.14 N` where
 //! |z| <= 2/3, and in the cap `N sqrt(1.2248^2 (1/2 + |s|)^2 + 0.855^2)`: 1.50 N inside the base
-//! pixel, 2.60 N for |s| <= 3/2, where s is held. So the smallest excess over the four sides, over that
+//! pixel, 2.60 N for |s| <= 3/2, where s is held, less where |s| stays small within reach. So the smallest excess over the four sides, over that
 //! rate, is a distance within which no edge lies. Longitude wraps: seen from the other way round, s
 //! is held at the opposite end, and the nearer of both ways counts. Where the formulas do not reach,
 //! differences of latitude and the planes of the base pixel's meridians bound the distance.
@@ -161,7 +161,14 @@ impl Boundary {
             return inside / (POLAR_INSIDE_RATE * self.side);
         }
         let outside = inside.max(excess(far)).min(0.0);
-        (outside / (POLAR_RATE * self.side)).max(-POLAR_REACH_RAD)
+        let sure = (outside / (POLAR_RATE * self.side)).max(-POLAR_REACH_RAD);
+        // Within `reach` s changes by at most reach over the distance from the axis.
+        let reach = (2.0 * -sure).min(POLAR_REACH_RAD);
+        let widest = s.abs() + reach / (ahead * ahead + east * east).sqrt();
+        if widest > FOLLOWED {
+            return sure;
+        }
+        (inside / (polar_rate(widest) * self.side)).max(-reach)
     }
 
     /// Smallest distance from the four sides in pixel coordinates, negative outside.
@@ -196,8 +203,7 @@ impl Boundary {
         let (ahead, east) = (axis * cos, axis * sin);
         let z = if self.base == Base::South { -z } else { z };
         let (mid_cos, mid_sin) = self.middle;
-        let components =
-            [ahead * mid_cos - east * mid_sin, ahead * mid_sin + east * mid_cos, z];
+        let components = [ahead * mid_cos - east * mid_sin, ahead * mid_sin + east * mid_cos, z];
         let [x, y, z] = components;
         Direction::new(x, y, z).unwrap_or(Direction::Z)
     }
@@ -219,6 +225,11 @@ impl Boundary {
         let half_step = 0.5 * LONGEST_UNIT / (self.side * f64::from(EDGE_POINTS));
         (centre, farthest + half_step)
     }
+}
+
+/// Rate of a polar base pixel's coordinates per radian over N, for |s| up to `widest`.
+fn polar_rate(widest: f64) -> f64 {
+    (1.225 * (0.5 + widest)).hypot(0.855).max(BELT_RATE)
 }
 
 /// Quarter turns from the middle the short way, and the long way round, both held to what is followed.
@@ -290,7 +301,8 @@ mod tests {
             let nside = Nside::new(1 << depth).unwrap();
             for pixel in (0..nside.pixels()).step_by(1 + nside.pixels() as usize / 900) {
                 let boundary = Boundary::new(nside, pixel);
-                for point in [(0.5, 0.5), (1e-3, 1e-3), (1e-3, 0.999), (0.999, 1e-3), (0.999, 0.999)]
+                for point in
+                    [(0.5, 0.5), (1e-3, 1e-3), (1e-3, 0.999), (0.999, 1e-3), (0.999, 0.999)]
                 {
                     let there = boundary.at(point);
                     assert!(boundary.contains(there), "{depth} {pixel} {point:?}");
@@ -368,7 +380,8 @@ mod tests {
     #[test]
     fn clearance_is_no_less_than_a_fifth_of_the_distance_nearby() {
         // Steps stay long: along the diagonal through a pixel, the bound is not far from the truth.
-        for (nside, pixel) in [(1, 0), (1, 5), (1, 11), (64, 0), (64, 4095), (64, 20_000), (64, 40_000)]
+        for (nside, pixel) in
+            [(1, 0), (1, 5), (1, 11), (64, 0), (64, 4095), (64, 20_000), (64, 40_000)]
         {
             let boundary = of(nside, pixel);
             for outside in [0.05, 0.1, 0.3] {

@@ -103,8 +103,8 @@ pub fn waits(visits: &[Visit], counting: Counting) -> Vec<Wait> {
         .windows(2)
         .map(|pair| {
             let [this, next] = [pair[0], pair[1]];
-            let gap = (!this.exit_clipped && !next.entry_clipped)
-                .then(|| next.entry.since(this.exit));
+            let gap =
+                (!this.exit_clipped && !next.entry_clipped).then(|| next.entry.since(this.exit));
             let revisit = match counting {
                 Counting::Samples => gap,
                 Counting::Crossings => (!this.entry_clipped && !next.entry_clipped)

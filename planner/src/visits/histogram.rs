@@ -104,8 +104,7 @@ mod tests {
             assert!((edge / expected - 1.0).abs() < 1e-14);
         }
         assert_eq!((histogram.under, histogram.over), (1, 1));
-        let filled: Vec<usize> =
-            (0..80).filter(|index| histogram.counts[*index] > 0).collect();
+        let filled: Vec<usize> = (0..80).filter(|index| histogram.counts[*index] > 0).collect();
         assert_eq!(filled, [0, 1, 30]);
     }
 

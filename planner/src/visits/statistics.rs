@@ -192,7 +192,8 @@ mod tests {
         ] {
             assert!((value - expected).abs() < 1e-9, "{value} {expected}");
         }
-        let lengths: Vec<f64> = found.longest_gaps.iter().map(|gap| gap.length().seconds()).collect();
+        let lengths: Vec<f64> =
+            found.longest_gaps.iter().map(|gap| gap.length().seconds()).collect();
         assert_eq!(lengths.len(), 3);
         assert!(lengths.is_sorted_by(|a, b| a >= b));
         assert_eq!(found.longest_gaps[0].from, visits[2].exit);
