@@ -12,7 +12,7 @@ use onboard_core::frame::Ecliptic;
 use planner::healpix::{Nside, Ordering};
 use planner::visits::boundary::{Boundary, pixel_at};
 
-/// The N_side of [Takase2024, section 6.2].
+/// Resolution of the pixels of [Takase2024, section 6.2].
 pub const DEFAULT_NSIDE: u32 = 64;
 
 /// Its three places: colatitude and longitude in degrees.
@@ -58,7 +58,7 @@ impl Numbering {
     ///
     /// # Errors
     /// [`Failure::Input`] where there is none.
-    pub fn pixel(&self, number: u32) -> Result<FixedPlace, Failure> {
+    pub fn pixel(self, number: u32) -> Result<FixedPlace, Failure> {
         let pixels = self.nside.pixels();
         if number >= pixels {
             return Err(Failure::Input(format!(
@@ -74,7 +74,7 @@ impl Numbering {
     ///
     /// # Errors
     /// [`Failure::Input`] names what is wrong with the text.
-    pub fn holding(&self, text: &str) -> Result<FixedPlace, Failure> {
+    pub fn holding(self, text: &str) -> Result<FixedPlace, Failure> {
         let (theta, phi) = pair("--theta-phi", text, ("colatitude", "longitude"))?;
         if !(0.0..=180.0).contains(&theta) {
             return Err(Failure::Input(format!(
@@ -86,15 +86,15 @@ impl Numbering {
 
     /// The three pixels of [Takase2024, section 6.2].
     #[must_use]
-    pub fn of_the_paper(&self) -> Vec<FixedPlace> {
+    pub fn of_the_paper(self) -> Vec<FixedPlace> {
         PAPER.iter().map(|(theta, phi)| self.at_degrees(*theta, *phi)).collect()
     }
 
-    fn at_degrees(&self, theta: f64, phi: f64) -> FixedPlace {
+    fn at_degrees(self, theta: f64, phi: f64) -> FixedPlace {
         self.named(pixel_at(self.nside, theta.to_radians(), phi.to_radians()))
     }
 
-    fn named(&self, nested: u32) -> FixedPlace {
+    fn named(self, nested: u32) -> FixedPlace {
         let number = self.nside.numbered(self.ordering, nested);
         let ordering = self.ordering.name().to_lowercase();
         FixedPlace {

@@ -1,6 +1,10 @@
 //! `gyrfalcon visits`: against `transits`, the paper's features, its counting, and bad input.
 
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
+#![expect(
+    clippy::cast_precision_loss,
+    reason = "counts and ns, compared far above their last digit"
+)]
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -92,8 +96,8 @@ fn rows_and_summary_agree() {
         let told = &place["revisit"];
         assert_eq!(told["count"].as_u64().unwrap(), revisits.len() as u64);
         let middle = revisits.len() / 2;
-        let median = if revisits.len() % 2 == 0 {
-            (revisits[middle - 1] + revisits[middle]) / 2.0
+        let median = if revisits.len().is_multiple_of(2) {
+            f64::midpoint(revisits[middle - 1], revisits[middle])
         } else {
             revisits[middle]
         };

@@ -43,11 +43,11 @@ fn pico() -> ScanStrategy {
     strategy((26.0, 69.0), 36_000.0, 60.0)
 }
 
-fn line<'a>(
-    scan: &'a ScanStrategy,
+fn line(
+    scan: &ScanStrategy,
     detector: Rotation<Detector, Boresight>,
     span_s: (f64, f64),
-) -> LineOfSight<'a> {
+) -> LineOfSight<'_> {
     let at = |seconds| Instant::from_tai_ns(Duration::from_seconds(seconds).ns());
     LineOfSight {
         scan,
@@ -182,7 +182,7 @@ fn pixels_of_every_kind_against_dense_sampling_near_the_visits() {
                 let near = whole.circle_visits(centre, radius).unwrap();
                 let crossing = 2.0 * radius / whole.largest_speed_rad_s();
                 let shortest = visits.iter().map(|visit| visit.dwell().ns()).min();
-                let floor = (crossing * 1e9 / 1e3) as i64;
+                let floor = Duration::from_seconds(crossing / 1e3).ns();
                 let step = (shortest.unwrap_or(i64::MAX) / 100).max(floor / 4).max(1);
                 let step = step.min(floor);
                 let every = 1 + near.len() / 60;

@@ -20,7 +20,7 @@ use crate::world::World;
 use ephem::time::format_tdb;
 use num_traits::{Signed, ToPrimitive, Zero};
 use onboard_core::ephemeris::EphemerisTable;
-use onboard_core::time::Instant;
+use onboard_core::time::{Duration, Instant};
 use planner::visits::Visit;
 use planner::visits::counting::{Counting, Sampling, Wait, sampled, waits};
 use planner::visits::crossing::LineOfSight;
@@ -264,8 +264,8 @@ fn row<'v>(it: &Visited<'v>, visit: Visit, wait: Wait) -> Row<'v> {
         entry_tai_ns: visit.entry.tai_ns(),
         exit_tai_ns: visit.exit.tai_ns(),
         dwell_s: visit.dwell().seconds(),
-        revisit_s: wait.revisit.map(|it| it.seconds()),
-        gap_s: wait.gap.map(|it| it.seconds()),
+        revisit_s: wait.revisit.map(Duration::seconds),
+        gap_s: wait.gap.map(Duration::seconds),
         clipped: match (visit.entry_clipped, visit.exit_clipped) {
             (false, false) => "",
             (true, false) => "entry",

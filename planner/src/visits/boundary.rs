@@ -181,31 +181,24 @@ impl Boundary {
     #[must_use]
     pub fn at(&self, (across, along): (f64, f64)) -> Direction<Ecliptic> {
         let (x, y) = (self.column + across, self.row + along);
-        let n = self.side;
-        // s, z and the distance from the axis.
-        let (s, z, axis) = match self.base {
-            Base::Belt => {
-                let z = ((x + y) / n - 1.0) / 1.5;
-                ((x - y) / (2.0 * n), z, (1.0 - z * z).sqrt())
-            }
-            _ if x + y <= n => {
-                let z = (x + y) / (1.5 * n);
-                ((x - y) / (2.0 * n), z, (1.0 - z * z).sqrt())
-            }
-            _ => {
-                let k = 2.0 * n - x - y;
-                let z = 1.0 - k * k / (3.0 * n * n);
-                let s = if k > 0.0 { (x - y) / (2.0 * k) } else { 0.0 };
-                (s, z, k / n * ((1.0 + z) / 3.0).sqrt())
-            }
+        let side = self.side;
+        // In the cap x + y = 2 N - k.
+        let k = 2.0 * side - x - y;
+        let (quarters, height, axis) = if self.base != Base::Belt && k < side {
+            let height = 1.0 - k * k / (3.0 * side * side);
+            let quarters = if k > 0.0 { (x - y) / (2.0 * k) } else { 0.0 };
+            (quarters, height, k / side * ((1.0 + height) / 3.0).sqrt())
+        } else {
+            let middle = if self.base == Base::Belt { 1.0 } else { 0.0 };
+            let height = ((x + y) / side - middle) / 1.5;
+            ((x - y) / (2.0 * side), height, (1.0 - height * height).sqrt())
         };
-        let (sin, cos) = (s * FRAC_PI_2).sin_cos();
+        let (sin, cos) = (quarters * FRAC_PI_2).sin_cos();
         let (ahead, east) = (axis * cos, axis * sin);
-        let z = if self.base == Base::South { -z } else { z };
+        let height = if self.base == Base::South { -height } else { height };
         let (mid_cos, mid_sin) = self.middle;
-        let components = [ahead * mid_cos - east * mid_sin, ahead * mid_sin + east * mid_cos, z];
-        let [x, y, z] = components;
-        Direction::new(x, y, z).unwrap_or(Direction::Z)
+        Direction::new(ahead * mid_cos - east * mid_sin, ahead * mid_sin + east * mid_cos, height)
+            .unwrap_or(Direction::Z)
     }
 
     /// Centre and radius in radians of a circle that holds the pixel.
@@ -242,27 +235,34 @@ fn both_ways(s: f64) -> (f64, f64) {
 #[must_use]
 pub fn pixel_at(nside: Nside, theta_rad: f64, phi_rad: f64) -> u32 {
     let [x, y, z] = unit_vector(phi_rad, FRAC_PI_2 - theta_rad);
-    let n = f64::from(nside.get());
+    let side = f64::from(nside.get());
     let quarters = (phi_rad / FRAC_PI_2).rem_euclid(4.0);
     // A tiny negative longitude rounds up to a whole turn.
     let quarters = if quarters >= 4.0 { 0.0 } else { quarters };
     let (face, column, row) = if z.abs() <= CAP {
-        let (rising, falling) = (n * (0.5 + quarters - 0.75 * z), n * (0.5 + quarters + 0.75 * z));
-        let (p, m) = ((rising / n).floor(), (falling / n).floor());
-        let face = if (p - m).abs() < 0.5 {
-            4.0 + p.rem_euclid(4.0)
-        } else if p < m {
-            p
+        // Numbers of the lines that rise and fall eastwards, and of the base pixels between them.
+        let rising = side * (0.5 + quarters - 0.75 * z);
+        let falling = side * (0.5 + quarters + 0.75 * z);
+        let (above, below) = ((rising / side).floor(), (falling / side).floor());
+        let face = if (above - below).abs() < 0.5 {
+            4.0 + above.rem_euclid(4.0)
+        } else if above < below {
+            above
         } else {
-            m + 8.0
+            below + 8.0
         };
-        (face, (falling - m * n).floor(), n - 1.0 - (rising - p * n).floor())
+        (face, (falling - below * side).floor(), side - 1.0 - (rising - above * side).floor())
     } else {
         let quarter = quarters.floor();
         let share = quarters - quarter;
-        let k = n * (3.0 * (x * x + y * y) / (1.0 + z.abs())).sqrt();
-        let (p, m) = ((share * k).floor().min(n - 1.0), ((1.0 - share) * k).floor().min(n - 1.0));
-        if z > 0.0 { (quarter, n - 1.0 - m, n - 1.0 - p) } else { (quarter + 8.0, p, m) }
+        let k = side * (3.0 * (x * x + y * y) / (1.0 + z.abs())).sqrt();
+        let line = |share: f64| (share * k).floor().min(side - 1.0);
+        let (west, east) = (line(share), line(1.0 - share));
+        if z > 0.0 {
+            (quarter, side - 1.0 - east, side - 1.0 - west)
+        } else {
+            (quarter + 8.0, west, east)
+        }
     };
     let mut nested = whole(face) << (2 * u32::from(nside.depth()));
     for bit in 0..u32::from(nside.depth()) {
@@ -285,6 +285,7 @@ fn whole(value: f64) -> u32 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::f64::consts::TAU;
 
     fn direction(lon: f64, z: f64) -> Direction<Ecliptic> {
         let axis = (1.0 - z * z).sqrt();
@@ -333,7 +334,7 @@ mod tests {
     proptest! {
         #[test]
         fn membership_is_cdshealpix_membership(
-            depth in 0_u8..12, lon in 0.0..6.28_f64, z in -1.0..1.0_f64,
+            depth in 0_u8..12, lon in 0.0..TAU, z in -1.0..1.0_f64,
         ) {
             let nside = Nside::new(1 << depth).unwrap();
             let there = direction(lon, z);
@@ -349,7 +350,7 @@ mod tests {
 
         #[test]
         fn no_edge_is_nearer_than_the_clearance(
-            depth in 0_u8..8, number: u32, lon in 0.0..6.28_f64, z in -1.0..1.0_f64,
+            depth in 0_u8..8, number: u32, lon in 0.0..TAU, z in -1.0..1.0_f64,
             near: bool, share in 0.0..1.0_f64, side in 0..4,
         ) {
             let nside = Nside::new(1 << depth).unwrap();

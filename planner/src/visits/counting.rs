@@ -1,7 +1,7 @@
 //! How long from one visit to the next, by crossings or by samples.
 //!
 //! By crossings: revisit is the next entry less this entry, gap the next entry less this exit. By
-//! samples, as [Takase2024, section 6.2] counts: sample j lies at j/f_s from the start, a visit is a
+//! samples, as [Takase2024, section 6.2] counts: sample j lies at `j/f_s` from the start, a visit is a
 //! run of consecutive samples inside, and differences of samples inside that are at least two sampling
 //! periods apart are the revisit times. Such a difference runs from the last sample of a run, so both
 //! revisit and gap are that difference then.
