@@ -2,7 +2,7 @@
 //!
 //! Frame: ecliptic, geometric. Angles carry their unit (`45deg`, `30arcmin`, `0.3rad`).
 //!
-//! Limits: a direction on an edge of pixels belongs to the one that [Gorski2005]'s integer parts name.
+//! Limits: a direction on an edge of pixels belongs to the one that \[Gorski2005\]'s integer parts name.
 
 use crate::failure::Failure;
 use crate::number::nearest;

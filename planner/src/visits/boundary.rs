@@ -231,7 +231,7 @@ fn both_ways(s: f64) -> (f64, f64) {
 }
 
 /// The NESTED pixel that holds a colatitude and longitude in radians; on an edge the pixel that
-/// [Gorski2005]'s integer parts name.
+/// \[Gorski2005\]'s integer parts name.
 #[must_use]
 pub fn pixel_at(nside: Nside, theta_rad: f64, phi_rad: f64) -> u32 {
     let [x, y, z] = unit_vector(phi_rad, FRAC_PI_2 - theta_rad);
