@@ -16,10 +16,11 @@
 //!
 //! **Distance.** The gradients on the sphere are at most `N sqrt(0.75^2 + 0.855^2) = 1.14 N` where
 //! |z| <= 2/3, and in the cap `N sqrt(1.2248^2 (1/2 + |s|)^2 + 0.855^2)`: 1.50 N inside the base
-//! pixel, 2.60 N for |s| <= 3/2, where s is held, less where |s| stays small within reach. So the smallest excess over the four sides, over that
-//! rate, is a distance within which no edge lies. Longitude wraps: seen from the other way round, s
-//! is held at the opposite end, and the nearer of both ways counts. Where the formulas do not reach,
-//! differences of latitude and the planes of the base pixel's meridians bound the distance.
+//! pixel, 2.60 N for |s| <= 3/2, where s is held, less where |s| stays small within reach. So the
+//! smallest excess over the four sides, over that rate, is a distance within which no edge lies.
+//! Longitude wraps: seen from the other way round, s is held at the opposite end, and the nearer of
+//! both ways counts. Where the formulas do not reach, differences of latitude and the planes of the
+//! base pixel's meridians bound the distance.
 //!
 //! Limits: rounding, some 1e-15 rad times N; `tests` hold membership against `cdshealpix` and the
 //! distance against points of the boundary.
