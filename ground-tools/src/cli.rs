@@ -42,6 +42,8 @@ pub enum Verb {
     Pointing(PointingArgs),
     /// Passes of targets through the line of sight or through detectors
     Transits(TransitsArgs),
+    /// Visits of targets, sky pixels or directions: how often, how long, when again
+    Visits(VisitsArgs),
     /// Test vectors for flight code: attitudes, directions, plate angles, transits
     Vectors(VectorsArgs),
     /// An attitude history against the mission: residuals, fitted periods and phases, outliers
@@ -160,6 +162,44 @@ pub struct TransitsArgs {
     /// A detector, TELESCOPE/NAME where ambiguous, or all; without it the mission boresight
     #[arg(long, value_name = "NAME|all")]
     pub detector: Option<String>,
+}
+
+/// `visits`.
+#[derive(Debug, Clone, Args)]
+pub struct VisitsArgs {
+    /// These targets: mars,jupiter; without any place named, all of the mission's
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub target: Vec<String>,
+    /// Pixels of the sky by number: 0,7200
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    pub pixel: Vec<u32>,
+    /// The pixel that holds a colatitude and longitude: 45deg,180deg; again and again
+    #[arg(long, value_name = "THETA,PHI", action = ArgAction::Append, allow_hyphen_values = true)]
+    pub theta_phi: Vec<String>,
+    /// The three pixels of the paper's section 6.2, which are (0, 0), (45, 180) and (90, 180) deg
+    #[arg(long)]
+    pub paper_pixels: bool,
+    /// A direction, ecliptic and geometric, visited as a target is: 210deg,-5deg; again and again
+    #[arg(long, value_name = "LON,LAT", action = ArgAction::Append, allow_hyphen_values = true)]
+    pub direction: Vec<String>,
+    /// The pixels' resolution, a power of two
+    #[arg(long, value_name = "N", default_value_t = crate::places::DEFAULT_NSIDE)]
+    pub nside: u32,
+    /// Pixels are numbered in NESTED order, not in RING order
+    #[arg(long)]
+    pub nested: bool,
+    /// Only this telescope
+    #[arg(long, value_name = "NAME")]
+    pub telescope: Option<String>,
+    /// A detector, TELESCOPE/NAME where ambiguous, or all; without it the mission boresight
+    #[arg(long, value_name = "NAME|all")]
+    pub detector: Option<String>,
+    /// Count samples as the paper does, not crossings
+    #[arg(long)]
+    pub sampled: bool,
+    /// Sampling rate in Hz; without it the mission's
+    #[arg(long, value_name = "HZ", requires = "sampled", allow_hyphen_values = true)]
+    pub rate: Option<String>,
 }
 
 /// `vectors`.

@@ -24,6 +24,8 @@ pub mod world;
 pub mod provenance;
 pub mod sightline;
 pub mod passes;
+pub mod places;
+pub mod visit_report;
 pub mod rows;
 pub mod vectors;
 pub mod history;

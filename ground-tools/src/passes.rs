@@ -8,7 +8,8 @@ use crate::sightline::{SightLine, View};
 use crate::world::{World, body};
 use ephem::time::format_tdb;
 use onboard_core::ephemeris::{EphemerisError, EphemerisTable};
-use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
+use onboard_core::transit::{Channel, Transit};
+use planner::visits::transits;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -45,14 +46,14 @@ pub fn search(
         .par_iter()
         .map(|&(target, group)| {
             let source = &world.targets[target];
-            let mut channel = [Channel::new(
+            let channel = Channel::new(
                 &world.scan,
                 sun,
                 body(table, source.body())?,
                 &lines[group[0]].field,
                 (world.start, world.end),
-            )];
-            let transits = run(&mut channel).map_err(|error| {
+            );
+            let transits = transits(channel).map_err(|error| {
                 Failure::internal(format!("search for {}: {}", source.name(), told(error)))
             })?;
             let all = |transit| group.iter().map(move |&line| Found { target, line, transit });
@@ -62,19 +63,6 @@ pub fn search(
     let mut found = found?.concat();
     found.sort_by_key(|it| (it.transit.entry, it.target, it.line));
     Ok(found)
-}
-
-fn run(channels: &mut [Channel<'_>]) -> Result<Vec<Transit>, EphemerisError> {
-    let mut finder = TransitFinder::new(channels);
-    let mut transits = Vec::new();
-    loop {
-        match finder.step() {
-            Step::Transit(transit) => transits.push(transit),
-            Step::Searched(_) => {}
-            Step::Done => return Ok(transits),
-            Step::Failed { error, .. } => return Err(error),
-        }
-    }
 }
 
 /// An error of the core's table, in words.

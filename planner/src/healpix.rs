@@ -4,7 +4,7 @@
 //! (along the quadtree of the twelve base pixels). Longitudes and latitudes are radians of the map's
 //! frame; unit vectors are its Cartesian components.
 //!
-//! Method: [Gorski2005]; geometry and conversions by the `cdshealpix` crate.
+//! Method: \[Gorski2005\]; geometry and conversions by the `cdshealpix` crate.
 //!
 //! Limits: `nside` a power of two up to [`MAX_NSIDE`].
 

@@ -7,5 +7,6 @@
 pub mod constraints;
 pub mod healpix;
 pub mod opportunity;
+pub mod visits;
 pub mod schedule;
 pub mod survey;

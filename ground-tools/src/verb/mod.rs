@@ -4,6 +4,7 @@ mod missions;
 mod constraints;
 mod pointing;
 mod transits;
+mod visits;
 mod vectors;
 mod verify;
 mod table;
@@ -31,6 +32,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Constraints => constraints::run(shared),
         Verb::Pointing(arguments) => pointing::run(shared, arguments),
         Verb::Transits(arguments) => transits::run(shared, arguments),
+        Verb::Visits(arguments) => visits::run(shared, arguments),
         Verb::Vectors(arguments) => vectors::run(shared, arguments),
         Verb::Verify(arguments) => verify::run(shared, arguments),
         Verb::Table(verb) => table::run(shared, verb),

@@ -1,0 +1,193 @@
+//! When does the line of sight enter and leave a pixel.
+//!
+//! Frames: the line of sight is a detector's z axis in `Ecliptic`; the pixel too.
+//!
+//! Method: the flight core's search on the circle that holds the pixel gives the intervals in which
+//! the pixel can be visited, none missed. Inside each, from every instant a span is skipped in which
+//! no edge can be crossed: [`Boundary::clearance_rad`] over the largest speed of the line of sight,
+//! `|w_b| sin beta_d + |w_a| + the anti-Sun frame's`. Such steps shrink towards an edge; once they are
+//! shorter than the tolerance, one step of that length is made, and a change of side is closed in on by
+//! bisection to a nanosecond. So every corner cut deeper than the tolerance is found.
+//!
+//! Limits: visits that reach less deep than [`DEPTH_TOLERANCE_RAD`] may be missed, as may absences
+//! of that depth. `planner/tests/pixel_visits.rs` compares with dense sampling.
+
+use super::boundary::Boundary;
+use super::fixed::{BODY, FixedDirection};
+use super::{Visit, transits};
+use onboard_core::attitude::attitude;
+use onboard_core::direction::Direction;
+use onboard_core::ephemeris::EphemerisError;
+use onboard_core::field_of_view::FieldOfView;
+use onboard_core::frame::{Boresight, Detector, Ecliptic};
+use onboard_core::rotation::Rotation;
+use onboard_core::scan::ScanStrategy;
+use onboard_core::sun::SunModel;
+use onboard_core::time::{Duration, Instant};
+use onboard_core::transit::Channel;
+use thiserror::Error;
+
+/// Depth below which a visit, or an absence between two, may be missed.
+pub const DEPTH_TOLERANCE_RAD: f64 = 1e-9;
+
+/// A line of sight over a span of time.
+#[derive(Debug, Clone, Copy)]
+pub struct LineOfSight<'a> {
+    /// The scanning strategy.
+    pub scan: &'a ScanStrategy,
+    /// Where the Sun is.
+    pub sun: SunModel<'a>,
+    /// The detector's frame in the boresight frame; its z is the line of sight.
+    pub detector: Rotation<Detector, Boresight>,
+    /// First and last instant.
+    pub ends: (Instant, Instant),
+}
+
+/// Why visits cannot be found.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum VisitsError {
+    /// A table does not serve the span.
+    #[error("the table does not serve the span: {0:?}")]
+    Ephemeris(EphemerisError),
+    /// The circle's radius (radians) is not in (0, pi].
+    #[error("a circle of {0} rad: a radius above 0 and at most pi is needed")]
+    Radius(f64),
+}
+
+impl From<EphemerisError> for VisitsError {
+    fn from(error: EphemerisError) -> Self {
+        Self::Ephemeris(error)
+    }
+}
+
+impl LineOfSight<'_> {
+    /// Where it points at `at`.
+    ///
+    /// # Errors
+    /// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
+    pub fn direction(&self, at: Instant) -> Result<Direction<Ecliptic>, EphemerisError> {
+        let boresight = attitude(self.scan, &self.sun, at)?;
+        Ok(boresight.apply(self.detector.apply(Direction::Z)))
+    }
+
+    /// No line of sight of this detector moves faster, in rad/s.
+    #[must_use]
+    pub fn largest_speed_rad_s(&self) -> f64 {
+        let parameters = self.scan.parameters();
+        let spin_axis_angle =
+            self.scan.boresight_in_spin().apply(self.detector.apply(Direction::Z));
+        let [x, y, _] = spin_axis_angle.xyz();
+        let bounds = self.sun.bounds();
+        let cos_latitude = (1.0 - bounds.max_abs_z * bounds.max_abs_z).max(1e-12).sqrt();
+        let turning = parameters.spin.rate.radians_per_second().abs() * x.hypot(y)
+            + parameters.precession.rate.radians_per_second().abs()
+            + bounds.rate_rad_s / cos_latitude;
+        turning * (1.0 + 1e-9)
+    }
+
+    /// All visits of the circle of `radius_rad` about a fixed direction, in order.
+    ///
+    /// # Errors
+    /// [`VisitsError`].
+    pub fn circle_visits(
+        &self,
+        centre: Direction<Ecliptic>,
+        radius_rad: f64,
+    ) -> Result<Vec<Visit>, VisitsError> {
+        let field = FieldOfView::circle(self.detector, radius_rad)
+            .map_err(|_| VisitsError::Radius(radius_rad))?;
+        self.field_visits(centre, &field)
+    }
+
+    /// All intervals with a fixed direction inside a field of view, in order.
+    ///
+    /// # Errors
+    /// [`VisitsError::Ephemeris`].
+    pub fn field_visits(
+        &self,
+        centre: Direction<Ecliptic>,
+        field: &FieldOfView,
+    ) -> Result<Vec<Visit>, VisitsError> {
+        let fixed = FixedDirection::new(centre, self.ends);
+        let body = fixed.table()?.body(BODY)?;
+        let found = transits(Channel::new(self.scan, self.sun, body, field, self.ends))?;
+        Ok(found.iter().map(Visit::from).collect())
+    }
+
+    /// All visits of a pixel, in order.
+    ///
+    /// # Errors
+    /// [`VisitsError`].
+    pub fn pixel_visits(&self, pixel: &Boundary) -> Result<Vec<Visit>, VisitsError> {
+        let (centre, radius_rad) = pixel.enclosing_circle();
+        let near = self.circle_visits(centre, radius_rad)?;
+        let speed = self.largest_speed_rad_s();
+        let mut visits = Vec::new();
+        for interval in &near {
+            self.inside(pixel, interval, speed, &mut visits)?;
+        }
+        Ok(visits)
+    }
+
+    /// The visits within one interval near the pixel.
+    fn inside(
+        &self,
+        pixel: &Boundary,
+        interval: &Visit,
+        speed: f64,
+        visits: &mut Vec<Visit>,
+    ) -> Result<(), VisitsError> {
+        let clearance = |at: Instant| -> Result<f64, EphemerisError> {
+            Ok(pixel.clearance_rad(self.direction(at)?))
+        };
+        let mut at = interval.entry;
+        let mut here = clearance(at)?;
+        // Inside at the start of the interval: only where that is the search's start.
+        let mut entry = (here >= 0.0).then_some((at, interval.entry_clipped));
+        while at < interval.exit {
+            let certain = here.abs().max(DEPTH_TOLERANCE_RAD) / speed;
+            let step = Duration::from_seconds_floor(certain).ns().max(1);
+            let next = at.plus(Duration::from_ns(step)).min(interval.exit);
+            let there = clearance(next)?;
+            if (here >= 0.0) != (there >= 0.0) {
+                let (before, after) = bisect(clearance, at, next, here >= 0.0)?;
+                match entry.take() {
+                    // First instant inside, last instant inside.
+                    None => entry = Some((after, false)),
+                    Some((entry, entry_clipped)) => {
+                        visits.push(Visit {
+                            entry,
+                            exit: before,
+                            entry_clipped,
+                            exit_clipped: false,
+                        });
+                    }
+                }
+            }
+            (at, here) = (next, there);
+        }
+        if let Some((entry, entry_clipped)) = entry {
+            let exit_clipped = interval.exit_clipped;
+            visits.push(Visit { entry, exit: interval.exit, entry_clipped, exit_clipped });
+        }
+        Ok(())
+    }
+}
+
+/// Two instants one nanosecond apart with a change of side between them.
+fn bisect(
+    clearance: impl Fn(Instant) -> Result<f64, EphemerisError>,
+    mut before: Instant,
+    mut after: Instant,
+    inside_before: bool,
+) -> Result<(Instant, Instant), EphemerisError> {
+    while after.since(before).ns() > 1 {
+        let middle = before.plus(Duration::from_ns(after.since(before).ns() / 2));
+        if (clearance(middle)? >= 0.0) == inside_before {
+            before = middle;
+        } else {
+            after = middle;
+        }
+    }
+    Ok((before, after))
+}
