@@ -25,6 +25,7 @@ pub mod provenance;
 pub mod sightline;
 pub mod passes;
 pub mod rows;
+pub mod fits;
 pub mod vectors;
 pub mod history;
 pub mod scan_fit;
