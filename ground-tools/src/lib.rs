@@ -26,6 +26,7 @@ pub mod sightline;
 pub mod passes;
 pub mod rows;
 pub mod fits;
+pub mod picture;
 pub mod vectors;
 pub mod history;
 pub mod scan_fit;

@@ -83,7 +83,9 @@ pub fn read_stokes_from(source: &mut dyn Read, frames: Frames) -> Result<StokesM
     let mut next = || maps.next().unwrap_or_default();
     let (i, q, mut u) = (next(), next(), next());
     if iau {
-        u.iter_mut().for_each(|value| *value = -*value);
+        for value in &mut u {
+            *value = -*value;
+        }
     }
     Ok(StokesMap {
         nside: opened.nside,

@@ -92,7 +92,7 @@ fn size(keywords: &Keywords, keyword: &str) -> Result<u64, FitsError> {
         .ok_or_else(|| illegal(keywords, keyword, "a whole number from 0 is needed"))
 }
 
-/// Passes over what a header describes: |BITPIX| / 8 GCOUNT (PCOUNT + NAXIS1 .. NAXISn) bytes.
+/// Passes over what a header describes: `|BITPIX| / 8 GCOUNT (PCOUNT + NAXIS1 .. NAXISn)` bytes.
 fn skip_data(source: &mut dyn Read, keywords: &Keywords) -> Result<(), FitsError> {
     const LEGAL: &str = "the data would be larger than any file";
     let axes = size(keywords, "NAXIS")?;

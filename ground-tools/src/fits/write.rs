@@ -191,7 +191,9 @@ fn header_bytes(cards: &[Card]) -> Result<Vec<u8>, Failure> {
         return Err(Failure::internal(format!("FITS card {card:?}")));
     }
     let mut header = Vec::new();
-    cards.iter().for_each(|card| card.put(&mut header));
+    for card in cards {
+        card.put(&mut header);
+    }
     header.extend(b"END");
     header.resize(header.len().next_multiple_of(BLOCK), b' ');
     Ok(header)
