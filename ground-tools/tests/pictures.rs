@@ -96,7 +96,12 @@ fn colours_stand_where_the_values_are() {
 }
 
 #[test]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places in a picture")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "places in a picture"
+)]
 fn a_patch_shows_its_centre_north_up_and_east_left() {
     // One pixel apart from the others to the north-east of the centre; unobserved to the south.
     let nside = Nside::new(64).unwrap();
@@ -194,7 +199,7 @@ fn the_same_input_gives_the_same_bytes() {
 
 #[test]
 fn odd_maps_are_drawn() {
-    let infinite = |pixel: u32| if pixel % 2 == 0 { f64::INFINITY } else { -1e300 };
+    let infinite = |pixel: u32| if pixel.is_multiple_of(2) { f64::INFINITY } else { -1e300 };
     let maps: [&(dyn Fn(u32) -> f64 + Sync); 5] =
         [&|_| f64::NAN, &|_| 7.0, &|_| 0.0, &|_| -3.0, &infinite];
     let pole = View::Patch { longitude_rad: 7.0, latitude_rad: -PI / 2.0, side_rad: 2.6 };

@@ -5,7 +5,7 @@
 //! once, as SVG; its PNG is made from that SVG, with a font that comes with the program, so equal
 //! input gives equal bytes.
 //!
-//! Method: Mollweide's and the gnomonic projection [Snyder1987]; colours that are even to the eye and
+//! Method: Mollweide's and the gnomonic projection [Snyder1987, chapters 22 and 31]; colours that are even to the eye and
 //! told apart by the colour-blind ([`ColourMap`]).
 //!
 //! Limits: 200 to 8000 pixels wide; text in Latin and Greek letters.
