@@ -5,8 +5,8 @@
 //! The file's frame is `COORDSYS`: E, G or C. U has the sign of `POLCCONV` = COSMO in memory; an IAU
 //! file's is turned round on reading.
 //!
-//! Method: [FITS4, section 7.3] for the bytes, the HEALPix keywords (`PIXTYPE`, `ORDERING`, `NSIDE`, ..) for their
-//! meaning. Unobserved pixels are NaN in memory and [`UNSEEN`] in a file.
+//! Method: [FITS4, section 7.3] for the bytes, the HEALPix keywords (`PIXTYPE`, `ORDERING`, `NSIDE`, ..)
+//! for their meaning. Unobserved pixels are NaN in memory and [`UNSEEN`] in a file.
 //!
 //! Limits: whole skies with implicit pixel numbers, numeric columns, `nside` up to
 //! [`MAX_NSIDE`](planner::healpix::MAX_NSIDE).
