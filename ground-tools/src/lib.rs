@@ -27,6 +27,8 @@ pub mod passes;
 pub mod places;
 pub mod visit_report;
 pub mod rows;
+pub mod fits;
+pub mod picture;
 pub mod vectors;
 pub mod history;
 pub mod scan_fit;
