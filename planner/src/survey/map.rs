@@ -89,23 +89,24 @@ impl SurveyMaps {
         row.fill(0);
     }
 
-    /// Adds another share of the same survey.
-    pub(super) fn merge(&mut self, other: &Self) {
+    /// Takes over another share of the same survey, which is left empty.
+    pub(super) fn take(&mut self, other: &mut Self) {
         for pixel in 0..self.nside.pixels() {
             let first = pixel as usize * self.stride;
-            let theirs = &other.rows[first..first + self.stride];
+            let theirs = &mut other.rows[first..first + self.stride];
             if theirs[0] == 0 {
                 continue;
             }
             let row = &mut self.rows[first..first + self.stride];
-            for (cell, more) in row.iter_mut().zip(theirs) {
-                *cell += more;
+            for (cell, more) in row.iter_mut().zip(&mut *theirs) {
+                *cell += *more;
             }
+            theirs.fill(0);
             if row[0] >= FULL {
                 self.set_aside(pixel);
             }
         }
-        self.aside.extend_from_slice(&other.aside);
+        self.aside.append(&mut other.aside);
     }
 
     /// Joins what was set aside.

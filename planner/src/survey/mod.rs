@@ -29,6 +29,8 @@ pub mod detector;
 pub mod moment;
 pub mod map;
 pub mod isa;
+pub mod statistics;
+pub mod scan_beam;
 pub mod plain;
 mod lanes;
 mod axes;
@@ -46,7 +48,9 @@ pub use detector::SurveyDetector;
 pub use frame::MapFrame;
 pub use isa::Isa;
 pub use map::{SurveyMaps, map_bytes};
-pub use moment::Moment;
+pub use moment::{Moment, MomentError};
+pub use scan_beam::Sweeping;
+pub use statistics::{MomentStatistics, SurveyStatistics};
 pub use sun::{SunSource, SurveySun};
 
 use crate::healpix::Nside;
@@ -178,33 +182,24 @@ impl<'a> Collector<'a> {
         Ok(!progress.stopped())
     }
 
-    /// The maps so far, merged.
-    #[must_use]
-    pub fn snapshot(&self) -> SurveyMaps {
-        let mut shares = self.shares.iter();
-        let mut merged = shares
-            .next()
-            .cloned()
-            .unwrap_or_else(|| SurveyMaps::new(self.survey.nside, self.survey.moments));
-        for share in shares {
-            merged.merge(share);
+    /// The maps so far, all threads' shares merged into one.
+    pub fn merged(&mut self) -> &SurveyMaps {
+        if self.shares.is_empty() {
+            self.shares.push(SurveyMaps::new(self.survey.nside, self.survey.moments));
         }
-        merged.settle();
-        merged
+        let (first, others) = self.shares.split_at_mut(1);
+        for other in others {
+            first[0].take(other);
+        }
+        first[0].settle();
+        &self.shares[0]
     }
 
     /// The maps, merged.
     #[must_use]
     pub fn finish(mut self) -> SurveyMaps {
-        if self.shares.is_empty() {
-            return self.snapshot();
-        }
-        let mut merged = self.shares.swap_remove(0);
-        while let Some(share) = self.shares.pop() {
-            merged.merge(&share);
-        }
-        merged.settle();
-        merged
+        self.merged();
+        self.shares.swap_remove(0)
     }
 }
 
