@@ -15,7 +15,7 @@ use clap_complete::Shell;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use onboard_core::time::Duration;
-use std::num::NonZeroU32;
+use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
 
 /// Plans how a spinning, precessing space telescope looks at the sky, and when it can calibrate on
@@ -44,6 +44,8 @@ pub enum Verb {
     Transits(TransitsArgs),
     /// Visits of targets, sky pixels or directions: how often, how long, when again
     Visits(VisitsArgs),
+    /// Hits and cross-link moments of each pixel of the sky: numbers, maps, pictures
+    Survey(SurveyArgs),
     /// Test vectors for flight code: attitudes, directions, plate angles, transits
     Vectors(VectorsArgs),
     /// An attitude history against the mission: residuals, fitted periods and phases, outliers
@@ -200,6 +202,62 @@ pub struct VisitsArgs {
     /// Sampling rate in Hz; without it the mission's
     #[arg(long, value_name = "HZ", requires = "sampled", allow_hyphen_values = true)]
     pub rate: Option<String>,
+}
+
+/// `survey`.
+#[derive(Debug, Clone, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
+pub struct SurveyArgs {
+    /// The map's resolution, a power of two up to 2048
+    #[arg(long, value_name = "N", default_value_t = 128)]
+    pub nside: u32,
+    /// Sampling rate in Hz; without it the mission's
+    #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
+    pub rate: Option<String>,
+    /// An average exp(-i(n psi + m phi)), whole or half-integer: 2,4; again and again
+    #[arg(long, visible_alias = "spin", value_name = "N,M", action = ArgAction::Append,
+          allow_hyphen_values = true)]
+    pub moment: Vec<String>,
+    /// Only this telescope: its detectors, or its line of sight where it lists none
+    #[arg(long, value_name = "NAME")]
+    pub telescope: Option<String>,
+    /// A detector, TELESCOPE/NAME where ambiguous, or all; without it the mission boresight
+    #[arg(long, value_name = "NAME|all")]
+    pub detector: Option<String>,
+    /// A map for each detector, not one of all
+    #[arg(long)]
+    pub per_detector: bool,
+    /// Files in NESTED order, not in RING order
+    #[arg(long)]
+    pub nested: bool,
+    /// Galactic pixels and crossing angles, not ecliptic ones
+    #[arg(long)]
+    pub galactic: bool,
+    /// Maps at earlier times too: 192.348min,1d,30d
+    #[arg(long, value_name = "TIME", value_delimiter = ',')]
+    pub snapshot: Vec<String>,
+    /// The anti-Sun direction moves once per this time, not with every sample: 1d
+    #[arg(long, value_name = "TIME")]
+    pub orbit_step: Option<String>,
+    /// Threads; without it one per core. Results do not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// A folder for pictures as PNG
+    #[arg(long, value_name = "DIR")]
+    pub png: Option<PathBuf>,
+    /// A folder for pictures as SVG
+    #[arg(long, value_name = "DIR")]
+    pub svg: Option<PathBuf>,
+    /// A patch of the map as a picture of its own: 210deg,-5deg,20deg; again and again
+    #[arg(long, value_name = "LON,LAT,SIDE", action = ArgAction::Append,
+          allow_hyphen_values = true)]
+    pub patch: Vec<String>,
+    /// The targets' ways over the sky in the pictures
+    #[arg(long)]
+    pub tracks: bool,
+    /// Colours of the pictures by logarithm
+    #[arg(long)]
+    pub log: bool,
 }
 
 /// `vectors`.

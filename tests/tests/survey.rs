@@ -6,19 +6,13 @@ use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::rotation::Rotation;
 use onboard_core::time::{Duration, Instant};
 use planner::healpix::{Nside, Ordering};
+use planner::survey::clock::turns_per_sample as turns;
 use planner::survey::{
     Collector, Isa, MapFrame, Moment, Progress, SampledScan, SunSource, Survey, SurveyDetector,
     SurveyMaps, SurveySun,
 };
 use rayon::ThreadPoolBuilder;
 use serde_json::Value;
-
-/// `numerator / denominator` turns per sample, rounded to the nearest 2^-128.
-fn turns(numerator: u64, denominator: u64) -> TurnRate {
-    let (n, d) = (u128::from(numerator % denominator), u128::from(denominator));
-    let (quotient, rest) = (u128::MAX / d, u128::MAX % d + 1);
-    TurnRate::from_bits(quotient * n + (rest * n + d / 2) / d)
-}
 
 fn rotor(rate: TurnRate, start_rad: f64) -> Rotor {
     Rotor { rate, start: Phase::from_radians(start_rad) }

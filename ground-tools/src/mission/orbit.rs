@@ -59,7 +59,7 @@ pub struct Orbit {
 }
 
 /// Seconds in which the circular Sun turns once: 365.25 d.
-const CIRCULAR_YEAR_S: i64 = 31_557_600;
+pub(crate) const CIRCULAR_YEAR_S: i64 = 31_557_600;
 
 impl Orbit {
     pub(crate) fn read(section: &mut Section<'_>) -> Self {

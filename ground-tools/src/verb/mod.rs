@@ -5,6 +5,7 @@ mod constraints;
 mod pointing;
 mod transits;
 mod visits;
+mod survey;
 mod vectors;
 mod verify;
 mod table;
@@ -33,6 +34,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Pointing(arguments) => pointing::run(shared, arguments),
         Verb::Transits(arguments) => transits::run(shared, arguments),
         Verb::Visits(arguments) => visits::run(shared, arguments),
+        Verb::Survey(arguments) => survey::run(shared, arguments),
         Verb::Vectors(arguments) => vectors::run(shared, arguments),
         Verb::Verify(arguments) => verify::run(shared, arguments),
         Verb::Table(verb) => table::run(shared, verb),

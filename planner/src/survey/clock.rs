@@ -59,6 +59,19 @@ impl SampledScan {
     }
 }
 
+/// The rate of `numerator / denominator` turns per sample, rounded to the nearest 2^-128; whole turns
+/// are left out, and a denominator of zero gives a rate of zero.
+#[must_use]
+pub fn turns_per_sample(numerator: u64, denominator: u64) -> TurnRate {
+    if denominator == 0 {
+        return TurnRate::from_bits(0);
+    }
+    let (above, below) = (u128::from(numerator % denominator), u128::from(denominator));
+    // 2^128 = quotient * below + rest.
+    let (quotient, rest) = (u128::MAX / below, u128::MAX % below + 1);
+    TurnRate::from_bits(quotient * above + (rest * above + below / 2) / below)
+}
+
 /// The angle of a rotor on the sample clock at sample `j`.
 #[must_use]
 pub fn phase_at(rotor: Rotor, j: u64) -> Phase {
@@ -69,4 +82,39 @@ pub fn phase_at(rotor: Rotor, j: u64) -> Phase {
 #[must_use]
 pub fn radians_per_sample(rate: TurnRate) -> f64 {
     rate.radians_per_second() * 1e-9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_are_rounded_to_the_nearest() {
+        assert_eq!(turns_per_sample(1, 4).bits(), 1 << 126);
+        assert_eq!(turns_per_sample(9, 4).bits(), 1 << 126);
+        assert_eq!(turns_per_sample(2, 3).bits(), u128::MAX / 3 * 2 + 1);
+        assert_eq!(turns_per_sample(1, 0).bits(), 0);
+    }
+
+    #[test]
+    fn samples_and_instants_belong_together() {
+        let rotor = Rotor { rate: turns_per_sample(1, 1000), start: Phase::ZERO };
+        let scan = SampledScan {
+            start: Instant::from_tai_ns(5),
+            // 19 Hz.
+            period: (1_000_000_000_u128 << 64).div_ceil(19),
+            alpha_rad: 0.5,
+            beta_rad: 0.5,
+            precession: rotor,
+            spin: rotor,
+        };
+        assert_eq!(scan.instant(19), Instant::from_tai_ns(1_000_000_005));
+        assert_eq!(scan.elapsed(1), Duration::from_ns(52_631_578));
+        for j in [0, 1, 19, 1_641_600, 1_800_000_000_000] {
+            assert_eq!(scan.first_sample_at(scan.elapsed(j)), j);
+            let after = scan.elapsed(j).ns() + 1;
+            assert_eq!(scan.first_sample_at(Duration::from_ns(after)), j + 1);
+        }
+        assert!((scan.period_s() - 1.0 / 19.0).abs() < 1e-17);
+    }
 }

@@ -21,6 +21,15 @@ pub struct SurveyDetector {
     pub plate: Option<Rotor>,
 }
 
+impl SurveyDetector {
+    /// Angle of the line of sight from the spin axis in radians.
+    #[must_use]
+    pub fn polar_rad(&self, scan: &SampledScan) -> f64 {
+        let (cos, sin) = Mount::new(scan, self.rotation, 0).polar;
+        sin.atan2(cos)
+    }
+}
+
 /// A detector's line of sight about the spin axis. Pairs are (cosine, sine).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mount {
