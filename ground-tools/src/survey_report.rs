@@ -1,6 +1,7 @@
 //! What is told of a survey: the numbers of its map, at its end and at each snapshot.
 
 use crate::provenance::Provenance;
+use crate::sightline::NONE;
 use planner::survey::{Moment, MomentStatistics, SurveyStatistics};
 use serde::{Serialize, Serializer};
 use std::fmt::Write;
@@ -139,13 +140,23 @@ pub fn name(moment: Moment) -> String {
     format!("({}, {})", moment.n(), moment.m())
 }
 
+/// Who looks, for a person.
+#[must_use]
+pub fn who(telescope: &str, detector: &str) -> String {
+    match (telescope == NONE, detector == NONE) {
+        (true, true) => "mission boresight".to_owned(),
+        (false, true) => telescope.to_owned(),
+        _ => format!("{telescope}/{detector}"),
+    }
+}
+
 /// A survey for a person.
 #[must_use]
 pub fn text(title: &str, reports: &[SurveyReport]) -> String {
     let mut text = format!("{title}\n");
     for report in reports {
         let map = &report.map;
-        let _ = writeln!(text, "\n{} {}", report.telescope, report.detector);
+        let _ = writeln!(text, "\n{}", who(&report.telescope, &report.detector));
         let _ = writeln!(
             text,
             "{} samples of {} detector(s) at {} Hz, nside {}, {} pixels unobserved",

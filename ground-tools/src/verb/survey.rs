@@ -18,7 +18,7 @@ use crate::rounding;
 use crate::sightline::{NONE, SightLine, select};
 use crate::survey_input::SurveyInput;
 use crate::survey_products::{Layout, Pictures, beside, tracks, write_fits};
-use crate::survey_report::{MapReport, Snapshot, Summary, SurveyReport, text};
+use crate::survey_report::{MapReport, Snapshot, Summary, SurveyReport, text, who};
 use crate::world::World;
 use indicatif::{ProgressBar, ProgressStyle};
 use onboard_core::sun::SunModel;
@@ -195,13 +195,13 @@ impl Session<'_> {
             from = *samples;
             let maps = collector.merged();
             let map = MapReport::new(self.nside.get(), &SurveyStatistics::of(maps));
-            self.write(maps, &format!("{name}-{after}"), (&telescope, &detector), files)?;
+            self.write(maps, (&name, Some(after)), (&telescope, &detector), files)?;
             snapshots.push(Snapshot { after: after.clone(), elapsed_s: elapsed.seconds(), map });
         }
         self.collect(&mut collector, from..self.input.samples, progress, files)?;
         let maps = collector.finish();
         let map = MapReport::new(self.nside.get(), &SurveyStatistics::of(&maps));
-        self.write(&maps, &name, (&telescope, &detector), files)?;
+        self.write(&maps, (&name, None), (&telescope, &detector), files)?;
         let amplitude = detectors.iter().map(|it| self.sweeping(it).amplitude_rad());
         Ok(SurveyReport {
             telescope,
@@ -239,26 +239,27 @@ impl Session<'_> {
     fn write(
         &self,
         maps: &SurveyMaps,
-        suffix: &str,
+        (name, after): (&str, Option<&str>),
         (telescope, detector): (&str, &str),
         files: &mut Vec<String>,
     ) -> Result<(), Failure> {
+        let suffix = after.map_or(name.to_owned(), |after| format!("{name}-{after}"));
+        let suffix = suffix.as_str();
+        let after = after.map_or(String::new(), |after| format!(", after {after}"));
         if let Some(path) = &self.out {
             let to_stdout = path.as_os_str() == "-";
             if !to_stdout || suffix.is_empty() {
                 let path = beside(path, suffix);
                 let sink = if to_stdout { Sink::Stdout } else { Sink::File(path.clone()) };
-                let seen_by = format!("{telescope}/{detector}");
+                let seen_by = who(telescope, detector);
                 write_fits(&sink, maps, self.layout, &self.provenance, &seen_by)?;
                 if !to_stdout {
                     files.push(path.display().to_string());
                 }
             }
         }
-        let title = format!("{} {telescope} {detector}{suffix}", self.title());
-        let title = title.replace(" - -", "");
-        let suffix = suffix.replace('/', "_");
-        files.extend(self.pictures.write(maps, self.layout.frame, (&title, &suffix))?);
+        let title = format!("{}, {}{}", self.title(), who(telescope, detector), after);
+        files.extend(self.pictures.write(maps, self.layout.frame, (&title, suffix))?);
         Ok(())
     }
 
