@@ -138,10 +138,10 @@ impl BinnedMaps {
         let [n, .., d, dc, ds] = self.rows[nested as usize];
         let condition = self.condition(nested).filter(|&it| n > 2.5 && it <= limit)?;
         let factors = self.normal(nested).cholesky()?;
-        let [i, q, u]: [f64; 3] = factors.solve(&(Vector3::new(d, dc, ds) / n)).into();
+        let stokes = factors.solve(&(Vector3::new(d, dc, ds) / n)).into();
         // Symmetric, so that columns are rows.
         let covariance = (factors.inverse() / n).into();
-        Some(Solution { stokes: [i, q, u], covariance, condition })
+        Some(Solution { stokes, covariance, condition })
     }
 }
 

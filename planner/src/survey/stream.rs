@@ -10,6 +10,8 @@
 //! Limits: the pixel is the flight core's for every sample (test `blocks_are_the_flight_cores`);
 //! angles are within 1e-11 rad of its, save where the sine of the colatitude underflows.
 
+#![expect(clippy::needless_range_loop, reason = "lanes of several arrays side by side")]
+
 use super::axes::{Axes, BlockStart, Geometry, Offsets};
 use super::clock::{phase_at, radians_per_sample};
 use super::detector::Mount;
@@ -146,7 +148,7 @@ impl<'s> Stream<'s> {
             .map(|index| {
                 let (frame, nside) = maps[index];
                 View {
-                    survey: Survey { frame, nside, ..*survey },
+                    survey: Survey { nside, frame, ..*survey },
                     geometry: Geometry {
                         alpha: (scan.alpha_rad.cos(), scan.alpha_rad.sin()),
                         map_axes: frame.map_axes(),
@@ -409,7 +411,7 @@ mod tests {
                         seen += 1;
                         let j = block.first + k as u64;
                         for (&(frame, nside), found) in maps.iter().zip(&block.seen) {
-                            let on_map = Survey { frame, nside, ..survey };
+                            let on_map = Survey { nside, frame, ..survey };
                             let expected = plain::sample(&on_map, block.detector, j).unwrap();
                             assert_eq!(found.pixel[k], expected.pixel);
                             let psi = expected.crossing_angle_rad + turn_rad[block.detector];
