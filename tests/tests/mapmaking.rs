@@ -182,17 +182,17 @@ fn the_sign_of_u_follows_the_convention() {
 /// Q and U in the COSMO sense of a smooth field, and I: the transverse parts of two tensors, the
 /// second turned by 45 degrees.
 fn smooth([x, y, z]: [f64; 3]) -> [f64; 3] {
-    let m = [[0.5, 0.3, -0.2], [0.3, -0.1, 0.4], [-0.2, 0.4, -0.7]];
-    let k = [[-0.2, 0.1, 0.3], [0.1, 0.6, -0.3], [0.3, -0.3, 0.1]];
-    let r = x.hypot(y);
-    let south = [x * z / r, y * z / r, -r];
-    let east = [-y / r, x / r, 0.0];
+    let first = [[0.5, 0.3, -0.2], [0.3, -0.1, 0.4], [-0.2, 0.4, -0.7]];
+    let second = [[-0.2, 0.1, 0.3], [0.1, 0.6, -0.3], [0.3, -0.3, 0.1]];
+    let rho = x.hypot(y);
+    let south = [x * z / rho, y * z / rho, -rho];
+    let east = [-y / rho, x / rho, 0.0];
     let form = |t: &[[f64; 3]; 3], a: &[f64; 3], b: &[f64; 3]| -> f64 {
         (0..3).flat_map(|i| (0..3).map(move |j| (i, j))).map(|(i, j)| a[i] * t[i][j] * b[j]).sum()
     };
-    let q = |t| form(t, &south, &south) - form(t, &east, &east);
-    let u = |t| 2.0 * form(t, &south, &east);
-    [0.2 + 0.5 * x - 0.3 * z, q(&m) - u(&k), u(&m) + q(&k)]
+    let along = |t| form(t, &south, &south) - form(t, &east, &east);
+    let across = |t| 2.0 * form(t, &south, &east);
+    [0.2 + 0.5 * x - 0.3 * z, along(&first) - across(&second), across(&first) + along(&second)]
 }
 
 /// Centres of RING pixels at nside 64, and I, Q, U there of the smooth field rotated by healpy 1.20.1
