@@ -10,3 +10,4 @@ pub mod opportunity;
 pub mod visits;
 pub mod schedule;
 pub mod survey;
+pub mod mapmaking;

@@ -76,7 +76,7 @@ pub(super) struct Scratch<const LANES: usize> {
 }
 
 /// A plate that stands for none.
-const NO_PLATE: Rotor = Rotor { rate: TurnRate::from_bits(0), start: Phase::ZERO };
+pub(super) const NO_PLATE: Rotor = Rotor { rate: TurnRate::from_bits(0), start: Phase::ZERO };
 
 impl<'s, const LANES: usize> Kernel<'s, LANES> {
     pub(super) fn new(survey: &'s Survey<'s>, moments: &'s [Moment]) -> Self {

@@ -42,6 +42,7 @@ mod pending;
 mod kernel;
 mod smooth;
 mod each;
+pub(crate) mod stream;
 
 pub use clock::SampledScan;
 pub use detector::SurveyDetector;
@@ -96,6 +97,10 @@ impl Progress {
     #[must_use]
     pub fn samples(&self) -> u64 {
         self.samples.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn add(&self, samples: u64) {
+        self.samples.fetch_add(samples, Ordering::Relaxed);
     }
 
     /// Asks for an early end.
@@ -173,7 +178,7 @@ impl<'a> Collector<'a> {
             while !progress.stopped() {
                 let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
                 let samples = run_task(&kernel, task, isa, &mut scratch, &mut map)?;
-                progress.samples.fetch_add(samples, Ordering::Relaxed);
+                progress.add(samples);
             }
             Ok(())
         };

@@ -2,10 +2,10 @@
 //!
 //! [`SurveySun`] is the Sun as a survey takes it: circular on the sample clock, or from a table, and
 //! optionally in steps: the direction then stands still until the next step's first sample
-//! (Falcons.jl's thruster mode). An [`Arc`] is longitude and latitude over one run as polynomials
+//! (Falcons.jl's thruster mode). An `Arc` is longitude and latitude over one run as polynomials
 //! of degree 4 about the middle.
 //!
-//! Limits: an arc lasts at most [`LONGEST_ARC_S`]; over it the error of an L2 orbit's direction is
+//! Limits: an arc lasts at most `LONGEST_ARC_S`; over it the error of an L2 orbit's direction is
 //! below 1e-13 rad.
 
 use super::clock::{SampledScan, phase_at};
