@@ -200,6 +200,12 @@ pub struct VisitsArgs {
     /// Sampling rate in Hz; without it the mission's
     #[arg(long, value_name = "HZ", requires = "sampled", allow_hyphen_values = true)]
     pub rate: Option<String>,
+    /// Write histograms of revisit, gap and dwell into this folder, as PNG
+    #[arg(long, value_name = "DIR")]
+    pub png: Option<PathBuf>,
+    /// Write them as SVG
+    #[arg(long, value_name = "DIR")]
+    pub svg: Option<PathBuf>,
 }
 
 /// `vectors`.

@@ -14,6 +14,7 @@
 
 pub mod fixed;
 pub mod boundary;
+mod arc;
 pub mod crossing;
 pub mod counting;
 pub mod histogram;
