@@ -22,6 +22,7 @@ use ephem::time::format_tdb;
 use num_traits::{Signed, ToPrimitive, Zero};
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::time::{Duration, Instant};
+use planner::survey::frame::MapFrame;
 use planner::visits::Visit;
 use planner::visits::counting::{Counting, Sampling, Wait, sampled, waits};
 use planner::visits::crossing::LineOfSight;
@@ -191,7 +192,8 @@ fn date(at: Instant) -> String {
 
 /// The pixels and directions named, in the order of the options.
 fn places(arguments: &VisitsArgs) -> Result<Vec<FixedPlace>, Failure> {
-    let numbering = Numbering::new(arguments.nside, arguments.nested)?;
+    let frame = if arguments.galactic { MapFrame::Galactic } else { MapFrame::Ecliptic };
+    let numbering = Numbering::new(arguments.nside, arguments.nested, frame)?;
     let mut places = Vec::new();
     if arguments.paper_pixels {
         places.extend(numbering.of_the_paper());
@@ -203,7 +205,7 @@ fn places(arguments: &VisitsArgs) -> Result<Vec<FixedPlace>, Failure> {
         places.push(numbering.holding(text)?);
     }
     for text in &arguments.direction {
-        places.push(direction(text)?);
+        places.push(direction(text, frame)?);
     }
     Ok(places)
 }

@@ -175,7 +175,7 @@ impl Walk<'_, '_> {
         let mut entry: Entry = (clearance >= 0.0).then_some((here.at, interval.entry_clipped));
         while here.at < interval.exit {
             let free = self.step(clearance.abs());
-            let leap = free >= self.longest;
+            let leap = free >= self.longest && clearance.abs() > DEPTH_TOLERANCE_RAD;
             let span = if leap { free } else { self.longest };
             let next = Motion::of(self.line, here.at.plus(span).min(interval.exit))?;
             if !leap {
