@@ -177,7 +177,12 @@ mod tests {
     fn bad_places_are_refused_with_what_is_legal() {
         let numbering = Numbering::new(64, true, MapFrame::Ecliptic).unwrap();
         let sentence = |result: Result<FixedPlace, Failure>| result.unwrap_err().to_string();
-        assert!(Numbering::new(100, false, MapFrame::Ecliptic).unwrap_err().to_string().contains("power of two"));
+        assert!(
+            Numbering::new(100, false, MapFrame::Ecliptic)
+                .unwrap_err()
+                .to_string()
+                .contains("power of two")
+        );
         assert!(sentence(numbering.pixel(49_152)).contains("0 to 49151"));
         assert!(sentence(numbering.holding("45,180")).contains("no unit"));
         assert!(sentence(numbering.holding("45deg")).contains("comma"));

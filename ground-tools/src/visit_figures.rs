@@ -202,7 +202,10 @@ fn draw(
                 Scale::Linear => (0.0, 1.06 * real(most).max(5.0)),
             }),
         },
-        series: &[Series { name: &legend, shape: Shape::Histogram { edges: &edges, counts: &counts } }],
+        series: &[Series {
+            name: &legend,
+            shape: Shape::Histogram { edges: &edges, counts: &counts },
+        }],
         marks: &marks,
         width_px: WIDTH_PX,
         height_px: HEIGHT_PX,
@@ -211,13 +214,7 @@ fn draw(
 }
 
 /// What is counted, or why nothing is.
-fn legend(
-    report: &Report,
-    told: &Told,
-    bars: &Bars,
-    quantity: Quantity,
-    counted: &str,
-) -> String {
+fn legend(report: &Report, told: &Told, bars: &Bars, quantity: Quantity, counted: &str) -> String {
     let visits = match report.visits {
         0 => return format!("no visit {counted}"),
         1 => "1 visit".to_owned(),
@@ -254,9 +251,8 @@ fn filled(bars: &Bars) -> Option<(f64, f64, u64)> {
 /// A range that holds the filled bins and the marks, with a little beside them; at least a decade.
 fn logarithmic_range(filled: Option<(f64, f64)>, held: &[f64]) -> (f64, f64) {
     let ends = filled.into_iter().chain(held.iter().map(|&mark| (mark, mark)));
-    let (low, high) = ends
-        .reduce(|(a, b), (low, high)| (a.min(low), b.max(high)))
-        .unwrap_or((1.0, 1000.0));
+    let (low, high) =
+        ends.reduce(|(a, b), (low, high)| (a.min(low), b.max(high))).unwrap_or((1.0, 1000.0));
     let (low, high) = (low / BESIDE, high * BESIDE);
     let missing = (10.0 * low / high).max(1.0).sqrt();
     (low / missing, high * missing)

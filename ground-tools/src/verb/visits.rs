@@ -161,7 +161,7 @@ fn write_figures(arguments: &VisitsArgs, figures: &[Figure]) -> Result<Vec<Strin
     let png = |figure: &Figure| figure.drawing.png().map_err(Failure::from);
     let svg = |figure: &Figure| Ok(figure.drawing.svg().as_bytes().to_vec());
     let files = |extension: &str, bytes: &(dyn Fn(&Figure) -> Result<Vec<u8>, Failure> + Sync)| {
-        let file = |figure| Ok((format!("{}.{extension}", figure.stem), bytes(figure)?));
+        let file = |figure: &Figure| Ok((format!("{}.{extension}", figure.stem), bytes(figure)?));
         figures.par_iter().map(file).collect::<Result<Vec<_>, Failure>>()
     };
     let mut folders: Vec<(&Path, Vec<(String, Vec<u8>)>)> = Vec::new();

@@ -87,9 +87,8 @@ pub(super) fn longest(line: &LineOfSight<'_>) -> Duration {
     let fast = slow + parameters.spin.rate.radians_per_second().abs();
     let fourth = line.sine_from_spin_axis() * fast.powi(4) + slow.powi(4);
     let even = (384.0 * 0.5 * ERROR_RAD / fourth).sqrt().sqrt();
-    let turn_change = 2.0
-        * (bounds.acceleration_per_s2 + 2.0 * bounds.rate_rad_s * turn)
-        / cos_latitude;
+    let turn_change =
+        2.0 * (bounds.acceleration_per_s2 + 2.0 * bounds.rate_rad_s * turn) / cos_latitude;
     let uneven = (0.5 * ERROR_RAD / (1.3 * (turn_change + 2.0 * turn * turn))).sqrt();
     // w h is below 0.06, for which 1 + 2 w h + w^2 h^2/2 is below 1.13: 0.5 + 0.65 of it are 1.3.
     let seconds = even.min(uneven).min(0.06 / fast);
@@ -99,4 +98,58 @@ pub(super) fn longest(line: &LineOfSight<'_>) -> Duration {
 #[expect(clippy::cast_precision_loss, reason = "spans of at most days")]
 fn real(span: Duration) -> f64 {
     span.ns() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use onboard_core::frame::{Boresight, Detector};
+    use onboard_core::phase::{Phase, Rotor, TurnRate};
+    use onboard_core::rotation::Rotation;
+    use onboard_core::scan::{ScanParameters, ScanStrategy};
+    use onboard_core::sun::SunModel;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_piece_is_where_the_line_of_sight_is() {
+        let rotor = |period_s: f64, start: f64| Rotor {
+            rate: TurnRate::from_radians_per_second(TAU / period_s),
+            start: Phase::from_radians(start),
+        };
+        let ends = (Instant::from_tai_ns(0), Instant::from_tai_ns(i64::MAX / 4));
+        let mut worst = 0.0_f64;
+        for (alpha, beta, precession_s, spin_s) in [
+            (45.0_f64, 50.0_f64, 11_540.88, 1_200.0),
+            (26.0, 69.0, 36_000.0, 60.0),
+            (7.5, 85.0, 1.6e7, 60.0),
+            (80.0, 2.0, 900.0, 700.0),
+        ] {
+            let scan = ScanStrategy::new(ScanParameters {
+                start: ends.0,
+                alpha_rad: alpha.to_radians(),
+                beta_rad: beta.to_radians(),
+                precession: rotor(precession_s, 0.3),
+                spin: rotor(spin_s, 1.1),
+            })
+            .unwrap();
+            for detector in [Rotation::IDENTITY, Rotation::<Detector, Boresight>::about_x(0.2)] {
+                let sun = SunModel::Circular(rotor(365.25 * 86_400.0, 0.2));
+                let line = LineOfSight { scan: &scan, sun, detector, ends };
+                let span = longest(&line);
+                for piece in 0..50 {
+                    let start = Instant::from_tai_ns(piece * 97_531_234_567);
+                    let [from, to] =
+                        [start, start.plus(span)].map(|at| Motion::of(&line, at).unwrap());
+                    let arc = Arc::between(&from, &to);
+                    for share in 0..=20 {
+                        let at = start.plus(Duration::from_ns(span.ns() / 20 * share));
+                        let there = line.direction(at).unwrap();
+                        worst = worst.max(arc.direction(at).separation_rad(there));
+                    }
+                }
+            }
+        }
+        // The bound is met, and not by far too much.
+        assert!(worst < ERROR_RAD && worst > 0.1 * ERROR_RAD, "{worst:e}");
+    }
 }

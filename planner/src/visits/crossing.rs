@@ -80,8 +80,7 @@ impl LineOfSight<'_> {
         let parameters = self.scan.parameters();
         let bounds = self.sun.bounds();
         let cos_latitude = (1.0 - bounds.max_abs_z * bounds.max_abs_z).max(1e-12).sqrt();
-        let turning = parameters.spin.rate.radians_per_second().abs()
-            * self.sine_from_spin_axis()
+        let turning = parameters.spin.rate.radians_per_second().abs() * self.sine_from_spin_axis()
             + parameters.precession.rate.radians_per_second().abs()
             + bounds.rate_rad_s / cos_latitude;
         turning * (1.0 + 1e-9)
@@ -89,7 +88,8 @@ impl LineOfSight<'_> {
 
     /// Sine of the angle between the spin axis and the line of sight.
     pub(super) fn sine_from_spin_axis(&self) -> f64 {
-        let [x, y, _] = self.scan.boresight_in_spin().apply(self.detector.apply(Direction::Z)).xyz();
+        let [x, y, _] =
+            self.scan.boresight_in_spin().apply(self.detector.apply(Direction::Z)).xyz();
         x.hypot(y)
     }
 
@@ -212,11 +212,8 @@ impl Walk<'_, '_> {
             let side = seen >= 0.0;
             if certain && side == inside {
                 sure = at;
-            } else if (side != inside || at == to.at)
-                && (self.clearance(at)? >= 0.0) != inside
-            {
-                let (before, after) =
-                    bisect(|at| self.clearance(at), sure, at, inside)?;
+            } else if (side != inside || at == to.at) && (self.clearance(at)? >= 0.0) != inside {
+                let (before, after) = bisect(|at| self.clearance(at), sure, at, inside)?;
                 match entry.take() {
                     // First instant inside, last instant inside.
                     None => *entry = Some((after, false)),
