@@ -160,7 +160,7 @@ fn draw(
         .collect();
     let seconds = match (scale, filled) {
         (Scale::Log, filled) => logarithmic_range(filled.map(|(low, high, _)| (low, high)), &held),
-        (Scale::Linear, Some((_, high, _))) => (0.0, high),
+        (Scale::Linear, Some((_, high, _))) => (0.0, 1.04 * high),
         (Scale::Linear, None) => (0.0, held.iter().copied().fold(60.0, f64::max) * 1.1),
     };
     let (divisor, unit) = if scale == Scale::Log { (1.0, "s") } else { unit(seconds.1) };
