@@ -181,9 +181,12 @@ pub struct VisitsArgs {
     /// The three pixels of the paper's section 6.2, which are (0, 0), (45, 180) and (90, 180) deg
     #[arg(long)]
     pub paper_pixels: bool,
-    /// A direction, ecliptic and geometric, visited as a target is: 210deg,-5deg; again and again
+    /// A direction, geometric, visited as a target is: 210deg,-5deg; again and again
     #[arg(long, value_name = "LON,LAT", action = ArgAction::Append, allow_hyphen_values = true)]
     pub direction: Vec<String>,
+    /// Pixels and directions are galactic, not ecliptic
+    #[arg(long)]
+    pub galactic: bool,
     /// The pixels' resolution, a power of two
     #[arg(long, value_name = "N", default_value_t = crate::places::DEFAULT_NSIDE)]
     pub nside: u32,
@@ -202,6 +205,12 @@ pub struct VisitsArgs {
     /// Sampling rate in Hz; without it the mission's
     #[arg(long, value_name = "HZ", requires = "sampled", allow_hyphen_values = true)]
     pub rate: Option<String>,
+    /// Write histograms of revisit, gap and dwell into this folder, as PNG
+    #[arg(long, value_name = "DIR")]
+    pub png: Option<PathBuf>,
+    /// Write them as SVG
+    #[arg(long, value_name = "DIR")]
+    pub svg: Option<PathBuf>,
 }
 
 /// `survey`.

@@ -29,6 +29,7 @@ pub mod visit_report;
 pub mod rows;
 pub mod fits;
 pub mod picture;
+pub mod visit_figures;
 pub mod memory;
 pub mod survey_input;
 pub mod survey_report;

@@ -1,6 +1,6 @@
 //! Where results go: whole, or not at all.
 //!
-//! A file is written beside its place and renamed into it; a plan's folder gets its files only when
+//! A file is written beside its place and renamed into it; a device or a pipe is written to; a plan's folder gets its files only when
 //! all of them could be written. `-` is standard output; a reader that closes it early is no error.
 
 use crate::failure::Failure;
@@ -82,6 +82,7 @@ impl Sink {
                     other => other.map_err(|error| blame(Path::new("standard output"), error)),
                 }
             }
+            Self::File(path) if is_device(path) => into_device(path, fill),
             Self::File(path) => {
                 let (value, written) = beside(path, fill)?;
                 written.place()?;
@@ -89,6 +90,24 @@ impl Sink {
             }
         }
     }
+}
+
+/// Whether something stands there that is neither a file nor a folder: a device, a pipe. It is written
+/// to, never replaced.
+fn is_device(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|it| !it.is_file() && !it.is_dir())
+}
+
+fn into_device<T>(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
+) -> Result<T, Failure> {
+    let fail = |error: std::io::Error| Failure::file("write", path, &error);
+    let device = std::fs::OpenOptions::new().write(true).open(path).map_err(fail)?;
+    let mut out = BufWriter::new(device);
+    let value = fill(&mut out).map_err(|error| blame(path, error))?;
+    out.flush().map_err(fail)?;
+    Ok(value)
 }
 
 fn blame(path: &Path, error: WriteError) -> Failure {
@@ -184,6 +203,21 @@ mod tests {
         Sink::File(path.clone()).write(b"new").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"new");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_device_is_written_to_and_stays_one() {
+        use std::os::unix::fs::FileTypeExt;
+        let is_device =
+            |path: &str| std::fs::metadata(path).is_ok_and(|it| it.file_type().is_char_device());
+        Sink::File("/dev/null".into()).write(b"x").unwrap();
+        assert!(is_device("/dev/null"));
+        if is_device("/dev/full") {
+            let failure = Sink::File("/dev/full".into()).write(b"x").unwrap_err();
+            assert!(failure.to_string().contains("/dev/full"), "{failure}");
+            assert!(is_device("/dev/full"));
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Which places on the sky did the user ask for: pixels and directions of the command line.
 //!
-//! Frame: ecliptic, geometric. Angles carry their unit (`45deg`, `30arcmin`, `0.3rad`).
+//! Frame: ecliptic or galactic, geometric. Angles carry their unit (`45deg`, `30arcmin`, `0.3rad`).
 //!
 //! Limits: a direction on an edge of pixels belongs to the one that \[Gorski2005\]'s integer parts name.
 
@@ -10,6 +10,7 @@ use crate::quantity;
 use onboard_core::direction::Direction;
 use onboard_core::frame::Ecliptic;
 use planner::healpix::{Nside, Ordering};
+use planner::survey::frame::MapFrame;
 use planner::visits::boundary::{Boundary, pixel_at};
 
 /// Resolution of the pixels of [Takase2024, section 6.2].
@@ -41,17 +42,19 @@ pub enum PlaceShape {
 pub struct Numbering {
     nside: Nside,
     ordering: Ordering,
+    frame: MapFrame,
 }
 
 impl Numbering {
-    /// Pixels of `nside`, in RING order unless `nested`.
+    /// Pixels of `nside` in a frame, in RING order unless `nested`.
     ///
     /// # Errors
     /// [`Failure::Input`] where nside is no power of two, or too large.
-    pub fn new(nside: u32, nested: bool) -> Result<Self, Failure> {
+    pub fn new(nside: u32, nested: bool, frame: MapFrame) -> Result<Self, Failure> {
         let nside =
             Nside::new(nside).map_err(|error| Failure::Input(format!("--nside: {error}")))?;
-        Ok(Self { nside, ordering: if nested { Ordering::Nested } else { Ordering::Ring } })
+        let ordering = if nested { Ordering::Nested } else { Ordering::Ring };
+        Ok(Self { nside, ordering, frame })
     }
 
     /// The pixel of this number.
@@ -98,26 +101,46 @@ impl Numbering {
         let number = self.nside.numbered(self.ordering, nested);
         let ordering = self.ordering.name().to_lowercase();
         FixedPlace {
-            name: format!("pixel:{}:{ordering}:{number}", self.nside.get()),
-            shape: PlaceShape::Pixel(Boundary::new(self.nside, nested)),
+            name: format!(
+                "pixel:{}:{ordering}:{number}{}",
+                self.nside.get(),
+                frame_suffix(self.frame)
+            ),
+            shape: PlaceShape::Pixel(Boundary::new(self.nside, nested).in_frame(self.frame)),
         }
     }
 }
 
-/// The direction `LONGITUDE,LATITUDE`.
+/// What names of places end with.
+const fn frame_suffix(frame: MapFrame) -> &'static str {
+    match frame {
+        MapFrame::Ecliptic => "",
+        MapFrame::Galactic => ":galactic",
+    }
+}
+
+/// The direction `LONGITUDE,LATITUDE` in a frame.
 ///
 /// # Errors
 /// [`Failure::Input`] names what is wrong with the text.
-pub fn direction(text: &str) -> Result<FixedPlace, Failure> {
+pub fn direction(text: &str, frame: MapFrame) -> Result<FixedPlace, Failure> {
     let (longitude, latitude) = pair("--direction", text, ("longitude", "latitude"))?;
     if latitude.abs() > 90.0 {
         return Err(Failure::Input(format!(
             "--direction {text}: a latitude from -90 to 90 deg is needed"
         )));
     }
-    let there = Direction::from_longitude_latitude(longitude.to_radians(), latitude.to_radians());
+    let (longitude, latitude) = (longitude.to_radians(), latitude.to_radians());
+    let there = match frame {
+        MapFrame::Ecliptic => Direction::from_longitude_latitude(longitude, latitude),
+        MapFrame::Galactic => {
+            let there = Direction::from_longitude_latitude(longitude, latitude);
+            frame.from_ecliptic().inverse().apply(there)
+        }
+    };
+    let text = text.replace(' ', "").replace(',', ":");
     Ok(FixedPlace {
-        name: format!("direction:{}", text.replace(' ', "").replace(',', ":")),
+        name: format!("direction:{text}{}", frame_suffix(frame)),
         shape: PlaceShape::Direction(there),
     })
 }
@@ -157,7 +180,7 @@ mod tests {
 
     #[test]
     fn the_papers_pixels_have_healpys_numbers() {
-        let numbering = Numbering::new(DEFAULT_NSIDE, false).unwrap();
+        let numbering = Numbering::new(DEFAULT_NSIDE, false, MapFrame::Ecliptic).unwrap();
         let names: Vec<String> =
             numbering.of_the_paper().into_iter().map(|place| place.name).collect();
         assert_eq!(names, ["pixel:64:ring:0", "pixel:64:ring:7200", "pixel:64:ring:24576"]);
@@ -168,14 +191,19 @@ mod tests {
 
     #[test]
     fn bad_places_are_refused_with_what_is_legal() {
-        let numbering = Numbering::new(64, true).unwrap();
+        let numbering = Numbering::new(64, true, MapFrame::Ecliptic).unwrap();
         let sentence = |result: Result<FixedPlace, Failure>| result.unwrap_err().to_string();
-        assert!(Numbering::new(100, false).unwrap_err().to_string().contains("power of two"));
+        assert!(
+            Numbering::new(100, false, MapFrame::Ecliptic)
+                .unwrap_err()
+                .to_string()
+                .contains("power of two")
+        );
         assert!(sentence(numbering.pixel(49_152)).contains("0 to 49151"));
         assert!(sentence(numbering.holding("45,180")).contains("no unit"));
         assert!(sentence(numbering.holding("45deg")).contains("comma"));
         assert!(sentence(numbering.holding("190deg,0deg")).contains("0 to 180"));
-        assert!(sentence(direction("0deg,91deg")).contains("-90 to 90"));
-        assert!(direction("-10deg,-90deg").is_ok());
+        assert!(sentence(direction("0deg,91deg", MapFrame::Ecliptic)).contains("-90 to 90"));
+        assert!(direction("-10deg,-90deg", MapFrame::Galactic).is_ok());
     }
 }

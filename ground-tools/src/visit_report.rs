@@ -63,7 +63,7 @@ pub struct Told {
     pub mean_s: Option<f64>,
     /// The longest.
     pub longest_s: Option<f64>,
-    /// Ten bins a decade from 1 s to 1e8 s.
+    /// Ten bins a decade from 1 ms to 1e8 s.
     pub logarithmic: Bars,
     /// Bins of a round width from 0.
     pub linear: Bars,
@@ -212,7 +212,8 @@ pub fn text(title: &str, marks: &[Mark], reports: &[Report]) -> String {
     text
 }
 
-fn name(report: &Report) -> String {
+/// What a report is of: the target, and through which telescope and detector.
+pub(crate) fn name(report: &Report) -> String {
     if report.telescope == crate::sightline::NONE {
         report.target.clone()
     } else {
@@ -221,12 +222,17 @@ fn name(report: &Report) -> String {
 }
 
 /// A span in the unit that suits it.
-fn span(seconds: f64) -> String {
-    let (value, unit) = match seconds {
-        s if s < 120.0 => (s, "s"),
-        s if s < 7_200.0 => (s / 60.0, "min"),
-        s if s < 172_800.0 => (s / 3_600.0, "h"),
-        s => (s / 86_400.0, "d"),
-    };
-    format!("{value:.2} {unit}")
+pub(crate) fn span(seconds: f64) -> String {
+    let (divisor, unit) = unit(seconds);
+    format!("{:.2} {unit}", seconds / divisor)
+}
+
+/// The unit that suits a span, and how many seconds it has.
+pub(crate) fn unit(seconds: f64) -> (f64, &'static str) {
+    match seconds {
+        s if s < 120.0 => (1.0, "s"),
+        s if s < 7_200.0 => (60.0, "min"),
+        s if s < 172_800.0 => (3_600.0, "h"),
+        _ => (86_400.0, "d"),
+    }
 }

@@ -8,6 +8,7 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::{Command, Output};
 
 const DAY_S: f64 = 86_400.0;
@@ -258,6 +259,122 @@ fn a_place_that_is_not_visited_says_so() {
     assert_eq!(place["visits"], 0);
     assert!(place["revisit"]["longest_s"].is_null());
     assert_eq!(rows(&stdout(&[&there[..], &["--out", "-"]].concat())).len(), 0);
+}
+
+/// A folder's files, sorted by name.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(Result::unwrap);
+    entries
+        .map(|it| (it.file_name().into_string().unwrap(), std::fs::read(it.path()).unwrap()))
+        .collect()
+}
+
+/// What is written in a drawing.
+fn texts(svg: &[u8]) -> Vec<String> {
+    let document = roxmltree::Document::parse(std::str::from_utf8(svg).unwrap()).unwrap();
+    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
+    texts.filter_map(|node| node.text().map(String::from)).collect()
+}
+
+#[test]
+fn figures_are_written_for_every_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let (png, svg) = (folder.path().join("a"), folder.path().join("b/c"));
+    let run = |more: &[&str]| {
+        let places = ["--theta-phi", "45deg,180deg", "--theta-phi", "90deg,10deg"];
+        let direction = ["--direction", "10deg,-5deg", "--duration", "30d"];
+        stdout(&[&["visits"][..], &places, &direction, more].concat())
+    };
+    let told = run(&["--png", png.to_str().unwrap(), "--svg", svg.to_str().unwrap()]);
+    let (png, svg) = (files(&png), files(&svg));
+    let places = ["direction-10deg--5deg", "pixel-64-ring-24455", "pixel-64-ring-7200"];
+    let mut stems: Vec<String> = Vec::new();
+    for place in places {
+        for quantity in ["dwell", "gap", "revisit"] {
+            for bins in ["linear", "log"] {
+                stems.push(format!("{place}-{quantity}-{bins}"));
+            }
+        }
+    }
+    let names = |extension: &str| -> Vec<String> {
+        stems.iter().map(|stem| format!("{stem}.{extension}")).collect()
+    };
+    assert_eq!(png.keys().cloned().collect::<Vec<_>>(), names("png"));
+    assert_eq!(svg.keys().cloned().collect::<Vec<_>>(), names("svg"));
+    assert!(png.values().all(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n")));
+    for name in png.keys().chain(svg.keys()) {
+        assert!(told.contains(name), "{name} is not told");
+    }
+    for (name, bytes) in &svg {
+        let texts = texts(bytes);
+        let marked = |mark: &str| texts.iter().any(|text| text.starts_with(mark));
+        if name.contains("revisit-log") || name.contains("gap-log") {
+            // 11540.88 s.
+            assert!(marked("spin 20.00 min") && marked("precession 3.21 h"), "{name} {texts:?}");
+        }
+        if name.starts_with("pixel-64-ring-24455") {
+            assert!(marked("no visit by crossings"), "{name} {texts:?}");
+        }
+    }
+    // Again: the same bytes, and nothing told; as JSON the files are in the summary.
+    let again = folder.path().join("again");
+    assert_eq!(run(&["--svg", again.to_str().unwrap(), "--quiet"]), "");
+    assert_eq!(files(&again), svg);
+    let summary = run(&["--svg", again.to_str().unwrap(), "--json"]);
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["figures"].as_array().unwrap().len(), 18);
+}
+
+#[test]
+fn figures_that_cannot_be_written_leave_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let taken = folder.path().join("taken");
+    std::fs::write(&taken, "a file").unwrap();
+    let place = ["visits", "--pixel", "7200", "--duration", "1d"];
+    let output = gyrfalcon(&[&place[..], &["--png", taken.to_str().unwrap()]].concat());
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("taken"), "{error}");
+    // One of the names is a folder's: none of the files is written.
+    let blocked = folder.path().join("blocked");
+    std::fs::create_dir_all(blocked.join("pixel-64-ring-7200-gap-log.svg")).unwrap();
+    let output = gyrfalcon(&[&place[..], &["--svg", blocked.to_str().unwrap()]].concat());
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("gap-log.svg"), "{error}");
+    assert_eq!(std::fs::read_dir(&blocked).unwrap().count(), 1);
+
+    let pixels: Vec<String> = (0..51).map(|number| number.to_string()).collect();
+    let unused = folder.path().join("unused");
+    let arguments = ["visits", "--pixel", &pixels.join(","), "--png", unused.to_str().unwrap()];
+    let output = gyrfalcon(&arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("51 places") && error.contains("at most 50"), "{error}");
+    assert!(!unused.exists());
+}
+
+#[test]
+fn a_galactic_place_is_the_ecliptic_one_by_another_name() {
+    // The galactic centre in ecliptic axes by astropy 8.0, whose galactic frame is 0.02 arcsec off.
+    let run = |there: &[&str]| {
+        rows(&stdout(&[&["visits"][..], there, &["--duration", "40d", "--out", "-"]].concat()))
+    };
+    let galactic = run(&["--galactic", "--direction", "0deg,0deg"]);
+    let [x, y, z] = [-0.054_875_657_712_592_f64, -0.993_821_367_039_231, -0.096_476_694_630_799];
+    let (longitude, latitude) = (y.atan2(x).to_degrees(), z.asin().to_degrees());
+    let ecliptic = run(&["--direction", &format!("{longitude}deg,{latitude}deg")]);
+    assert!(galactic.len() > 20);
+    assert_eq!(galactic.len(), ecliptic.len());
+    for (one, other) in galactic.iter().zip(&ecliptic) {
+        assert_eq!(one["target"], "direction:0deg:0deg:galactic");
+        let ns = |row: &BTreeMap<String, String>| row["entry_tai_ns"].parse::<i64>().unwrap();
+        // 0.02 arcsec along or across the edge of a circle of degrees.
+        assert!((ns(one) - ns(other)).abs() < 20_000_000, "{one:?} {other:?}");
+    }
+    let names = run(&["--galactic", "--theta-phi", "90deg,0deg"]);
+    assert!(names.len() > 20);
+    assert!(names.iter().all(|row| row["target"] == "pixel:64:ring:24448:galactic"), "{names:?}");
 }
 
 #[test]

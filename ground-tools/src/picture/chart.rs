@@ -113,7 +113,7 @@ pub fn chart(chart: &Chart) -> Result<Drawing, PictureError> {
         .filter(|mark| (-1e-9..=1.0 + 1e-9).contains(&x_span.place(mark.at)))
         .collect();
     let at = |mark: &Mark| left + (right - left) * x_span.place(mark.at);
-    top += mark_names(&mut canvas, &marks, at, (top, size));
+    top += mark_names(&mut canvas, &marks, at, (top, width, size));
     let bottom = (height - 3.6 * size).max(top + 20.0 * unit);
     let plot = Plot {
         place: Rectangle { x: left, y: top, width: right - left, height: bottom - top },
@@ -237,7 +237,7 @@ fn mark_names(
     canvas: &mut Canvas,
     marks: &[Mark],
     at: impl Fn(&Mark) -> f64,
-    (top, size): (f64, f64),
+    (top, width, size): (f64, f64, f64),
 ) -> f64 {
     let mut rows: Vec<Vec<(f64, f64)>> = Vec::new();
     let mut placed = Vec::new();
@@ -245,7 +245,8 @@ fn mark_names(
     sorted.sort_by(|a, b| at(a).total_cmp(&at(b)));
     for mark in sorted {
         let half = font::width(mark.name) * size * 0.92 / 2.0;
-        let x = at(mark);
+        // Within the picture, near its edge beside the line.
+        let x = at(mark).min(width - half - 0.3 * size).max(half + 0.3 * size);
         let (low, high) = (x - half - 0.3 * size, x + half + 0.3 * size);
         let free = |row: &Vec<(f64, f64)>| row.iter().all(|&(a, b)| high < a || b < low);
         let row = rows.iter().position(free).unwrap_or(rows.len());

@@ -8,26 +8,30 @@ use super::{mission, print_json, sink, tell};
 use crate::cli::{Format, SharedArgs, VisitsArgs};
 use crate::failure::Failure;
 use crate::number::Number;
-use crate::output::Sink;
+use crate::output::{Sink, write_folder};
 use crate::passes::search;
 use crate::places::{FixedPlace, Numbering, PlaceShape, direction};
 use crate::provenance::Provenance;
 use crate::quantity;
 use crate::rows::{self, Layout};
 use crate::sightline::{SightLine, select};
+use crate::visit_figures::{self, Figure, Setting};
 use crate::visit_report::{Mark, Report, marks, text};
 use crate::world::World;
 use ephem::time::format_tdb;
 use num_traits::{Signed, ToPrimitive, Zero};
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::time::{Duration, Instant};
+use planner::survey::frame::MapFrame;
 use planner::visits::Visit;
 use planner::visits::counting::{Counting, Sampling, Wait, sampled, waits};
 use planner::visits::crossing::LineOfSight;
 use planner::visits::statistics::VisitStatistics;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::fmt::Write;
 use std::num::NonZeroU64;
+use std::path::Path;
 
 const COLUMNS: [&str; 11] = [
     "target",
@@ -67,6 +71,8 @@ struct Summary<'p> {
     rate_hz: Option<f64>,
     marks: Vec<Mark>,
     places: Vec<Report>,
+    /// Figures' files.
+    figures: Vec<String>,
     provenance: &'p Provenance,
 }
 
@@ -88,6 +94,10 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Fai
     }
     let lines =
         select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
+    let drawn = arguments.png.is_some() || arguments.svg.is_some();
+    if drawn {
+        visit_figures::check(world.targets.len() + places.len(), lines.len())?;
+    }
     let tables = world.tables(&world.ground_options())?;
     let table = tables.parse()?;
 
@@ -111,11 +121,25 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Fai
             Report::new(it.name, (&it.line.telescope_name, &it.line.detector_name), &statistics)
         })
         .collect();
+    let rate_hz = rate.map(|(rate_hz, _)| rate_hz);
+    let counted = match rate_hz {
+        None => "by crossings".to_owned(),
+        Some(rate_hz) => format!("by samples at {rate_hz} Hz"),
+    };
+    let counted = format!("{counted}, {} to {} TDB", date(world.start), date(world.end));
+    let marks = marks(&world);
+    let figures = if drawn {
+        let setting = Setting { mission: &world.mission.name, counted: &counted, marks: &marks };
+        write_figures(arguments, &visit_figures::figures(&setting, &reports)?)?
+    } else {
+        Vec::new()
+    };
     let summary = Summary {
         counting: if rate.is_some() { "samples" } else { "crossings" },
-        rate_hz: rate.map(|(rate_hz, _)| rate_hz),
-        marks: marks(&world),
+        rate_hz,
+        marks,
         places: reports,
+        figures,
         provenance: &provenance,
     };
     if shared.json {
@@ -123,18 +147,42 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Fai
     } else if shared.out.is_some() && sink(shared) == Sink::Stdout {
         Ok(())
     } else {
-        let counted = match summary.rate_hz {
-            None => "by crossings".to_owned(),
-            Some(rate_hz) => format!("by samples at {rate_hz} Hz"),
-        };
-        let title = format!(
-            "{}: visits {counted}, {} to {} TDB",
-            world.mission.name,
-            date(world.start),
-            date(world.end)
-        );
-        tell(shared, &text(&title, &summary.marks, &summary.places))
+        let title = format!("{}: visits {counted}", world.mission.name);
+        let mut text = text(&title, &summary.marks, &summary.places);
+        if !summary.figures.is_empty() {
+            let _ = write!(text, "\nFigures written:\n{}\n", summary.figures.join("\n"));
+        }
+        tell(shared, &text)
     }
+}
+
+/// Writes the figures where they are asked for, each folder whole; names what was written.
+fn write_figures(arguments: &VisitsArgs, figures: &[Figure]) -> Result<Vec<String>, Failure> {
+    let png = |figure: &Figure| figure.drawing.png().map_err(Failure::from);
+    let svg = |figure: &Figure| Ok(figure.drawing.svg().as_bytes().to_vec());
+    let files = |extension: &str, bytes: &(dyn Fn(&Figure) -> Result<Vec<u8>, Failure> + Sync)| {
+        let file = |figure: &Figure| Ok((format!("{}.{extension}", figure.stem), bytes(figure)?));
+        figures.par_iter().map(file).collect::<Result<Vec<_>, Failure>>()
+    };
+    let mut folders: Vec<(&Path, Vec<(String, Vec<u8>)>)> = Vec::new();
+    if let Some(folder) = &arguments.png {
+        folders.push((folder, files("png", &png)?));
+    }
+    if let Some(folder) = &arguments.svg {
+        let drawn = files("svg", &svg)?;
+        match folders.iter_mut().find(|(other, _)| other == folder) {
+            Some((_, files)) => files.extend(drawn),
+            None => folders.push((folder, drawn)),
+        }
+    }
+    let mut written = Vec::new();
+    for (folder, files) in &folders {
+        let files: Vec<(&str, &[u8])> =
+            files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
+        write_folder(folder, &files)?;
+        written.extend(files.iter().map(|(name, _)| folder.join(name).display().to_string()));
+    }
+    Ok(written)
 }
 
 fn date(at: Instant) -> String {
@@ -144,7 +192,8 @@ fn date(at: Instant) -> String {
 
 /// The pixels and directions named, in the order of the options.
 fn places(arguments: &VisitsArgs) -> Result<Vec<FixedPlace>, Failure> {
-    let numbering = Numbering::new(arguments.nside, arguments.nested)?;
+    let frame = if arguments.galactic { MapFrame::Galactic } else { MapFrame::Ecliptic };
+    let numbering = Numbering::new(arguments.nside, arguments.nested, frame)?;
     let mut places = Vec::new();
     if arguments.paper_pixels {
         places.extend(numbering.of_the_paper());
@@ -156,7 +205,7 @@ fn places(arguments: &VisitsArgs) -> Result<Vec<FixedPlace>, Failure> {
         places.push(numbering.holding(text)?);
     }
     for text in &arguments.direction {
-        places.push(direction(text)?);
+        places.push(direction(text, frame)?);
     }
     Ok(places)
 }

@@ -22,12 +22,16 @@
 //! both ways counts. Where the formulas do not reach, differences of latitude and the planes of the
 //! base pixel's meridians bound the distance.
 //!
+//! A galactic pixel turns every direction into its frame first.
+//!
 //! Limits: rounding, some 1e-15 rad times N; `tests` hold membership against `cdshealpix` and the
 //! distance against points of the boundary.
 
 use crate::healpix::{Nside, unit_vector};
+use crate::survey::frame::{Galactic, MapFrame};
 use onboard_core::direction::Direction;
 use onboard_core::frame::Ecliptic;
+use onboard_core::rotation::Rotation;
 use std::f64::consts::FRAC_PI_2;
 
 /// Sine of the latitude at which the polar caps begin.
@@ -67,6 +71,8 @@ pub struct Boundary {
     row: f64,
     /// Cosine and sine of the base pixel's middle longitude.
     middle: (f64, f64),
+    /// Into the pixel's frame; none where that is the ecliptic.
+    turn: Option<Rotation<Ecliptic, Galactic>>,
 }
 
 impl Boundary {
@@ -98,7 +104,14 @@ impl Boundary {
             column: f64::from(column),
             row: f64::from(row),
             middle: (cos, sin),
+            turn: None,
         }
+    }
+
+    /// The same pixel of a map in this frame.
+    #[must_use]
+    pub fn in_frame(self, frame: MapFrame) -> Self {
+        Self { turn: (frame == MapFrame::Galactic).then(|| frame.from_ecliptic()), ..self }
     }
 
     /// Whether the pixel, its lower edges included, holds the direction.
@@ -110,7 +123,10 @@ impl Boundary {
     /// Positive inside, negative outside; no edge lies nearer than its magnitude in radians.
     #[must_use]
     pub fn clearance_rad(&self, direction: Direction<Ecliptic>) -> f64 {
-        let [x, y, z] = direction.xyz();
+        let [x, y, z] = match self.turn {
+            None => direction.xyz(),
+            Some(turn) => turn.apply(direction).xyz(),
+        };
         let (cos, sin) = self.middle;
         // Along the middle's meridian and to the east of it.
         let (ahead, east) = (x * cos + y * sin, y * cos - x * sin);
@@ -198,8 +214,13 @@ impl Boundary {
         let (ahead, east) = (axis * cos, axis * sin);
         let height = if self.base == Base::South { -height } else { height };
         let (mid_cos, mid_sin) = self.middle;
-        Direction::new(ahead * mid_cos - east * mid_sin, ahead * mid_sin + east * mid_cos, height)
-            .unwrap_or(Direction::Z)
+        let (x, y) = (ahead * mid_cos - east * mid_sin, ahead * mid_sin + east * mid_cos);
+        match self.turn {
+            None => Direction::new(x, y, height).unwrap_or(Direction::Z),
+            Some(turn) => {
+                turn.inverse().apply(Direction::new(x, y, height).unwrap_or(Direction::Z))
+            }
+        }
     }
 
     /// Centre and radius in radians of a circle that holds the pixel.
@@ -315,6 +336,27 @@ mod tests {
                 let centre = Direction::from_longitude_latitude(lon, lat);
                 assert!(boundary.at((0.5, 0.5)).separation_rad(centre) < 1e-14);
             }
+        }
+    }
+
+    #[test]
+    fn a_galactic_pixel_is_the_ecliptic_one_turned() {
+        let nside = Nside::new(64).unwrap();
+        let turn = MapFrame::Galactic.from_ecliptic();
+        for pixel in [0, 4095, 20_000, 40_000] {
+            let (plain, galactic) = (
+                Boundary::new(nside, pixel),
+                Boundary::new(nside, pixel).in_frame(MapFrame::Galactic),
+            );
+            for point in [(0.5, 0.5), (0.01, 0.9), (-0.3, 1.2)] {
+                let there = galactic.at(point);
+                let held = turn.apply(there);
+                let (lon, lat) = (held.longitude_rad(), held.latitude_rad());
+                assert_eq!(nside.pixel_at(lon, lat) == pixel, galactic.contains(there));
+                let off = galactic.clearance_rad(there) - plain.clearance_rad(plain.at(point));
+                assert!(off.abs() < 1e-13, "{off:e}");
+            }
+            assert!((galactic.enclosing_circle().1 - plain.enclosing_circle().1).abs() < 1e-12);
         }
     }
 

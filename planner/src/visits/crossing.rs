@@ -5,13 +5,17 @@
 //! Method: the flight core's search on the circle that holds the pixel gives the intervals in which
 //! the pixel can be visited, none missed. Inside each, from every instant a span is skipped in which
 //! no edge can be crossed: [`Boundary::clearance_rad`] over the largest speed of the line of sight,
-//! `|w_b| sin beta_d + |w_a| + the anti-Sun frame's`. Such steps shrink towards an edge; once they are
-//! shorter than the tolerance, one step of that length is made, and a change of side is closed in on by
-//! bisection to a nanosecond. So every corner cut deeper than the tolerance is found.
+//! `|w_b| sin beta_d + |w_a| + the anti-Sun frame's`. Where that span is short, the path over the next
+//! piece is a cubic whose error is bounded ([`arc`](super::arc)), the clearance is reduced by that error,
+//! and attitudes are needed at the piece's ends only. Steps shrink towards an edge; once they are
+//! shorter than the tolerance, one step of that length is made, and a change of side is confirmed by
+//! the attitude and closed in on by bisection to a nanosecond. So every corner cut deeper than the
+//! tolerance is found.
 //!
 //! Limits: visits that reach less deep than [`DEPTH_TOLERANCE_RAD`] may be missed, as may absences
 //! of that depth. `planner/tests/pixel_visits.rs` compares with dense sampling.
 
+use super::arc::{self, Arc, ERROR_RAD, Motion};
 use super::boundary::Boundary;
 use super::fixed::{BODY, FixedDirection};
 use super::{Visit, transits};
@@ -74,15 +78,19 @@ impl LineOfSight<'_> {
     #[must_use]
     pub fn largest_speed_rad_s(&self) -> f64 {
         let parameters = self.scan.parameters();
-        let spin_axis_angle =
-            self.scan.boresight_in_spin().apply(self.detector.apply(Direction::Z));
-        let [x, y, _] = spin_axis_angle.xyz();
         let bounds = self.sun.bounds();
         let cos_latitude = (1.0 - bounds.max_abs_z * bounds.max_abs_z).max(1e-12).sqrt();
-        let turning = parameters.spin.rate.radians_per_second().abs() * x.hypot(y)
+        let turning = parameters.spin.rate.radians_per_second().abs() * self.sine_from_spin_axis()
             + parameters.precession.rate.radians_per_second().abs()
             + bounds.rate_rad_s / cos_latitude;
         turning * (1.0 + 1e-9)
+    }
+
+    /// Sine of the angle between the spin axis and the line of sight.
+    pub(super) fn sine_from_spin_axis(&self) -> f64 {
+        let [x, y, _] =
+            self.scan.boresight_in_spin().apply(self.detector.apply(Direction::Z)).xyz();
+        x.hypot(y)
     }
 
     /// All visits of the circle of `radius_rad` about a fixed direction, in order.
@@ -121,54 +129,103 @@ impl LineOfSight<'_> {
     pub fn pixel_visits(&self, pixel: &Boundary) -> Result<Vec<Visit>, VisitsError> {
         let (centre, radius_rad) = pixel.enclosing_circle();
         let near = self.circle_visits(centre, radius_rad)?;
-        let speed = self.largest_speed_rad_s();
+        let walk = Walk {
+            line: self,
+            pixel,
+            speed: self.largest_speed_rad_s(),
+            longest: arc::longest(self),
+        };
         let mut visits = Vec::new();
         for interval in &near {
-            self.inside(pixel, interval, speed, &mut visits)?;
+            walk.inside(interval, &mut visits)?;
         }
         Ok(visits)
     }
+}
+
+/// The way along a line of sight near a pixel.
+struct Walk<'w, 'a> {
+    line: &'w LineOfSight<'a>,
+    pixel: &'w Boundary,
+    /// Largest speed in rad/s.
+    speed: f64,
+    /// Longest piece of the path.
+    longest: Duration,
+}
+
+/// A visit in progress: its first instant, and whether that is the search's start.
+type Entry = Option<(Instant, bool)>;
+
+impl Walk<'_, '_> {
+    fn clearance(&self, at: Instant) -> Result<f64, EphemerisError> {
+        Ok(self.pixel.clearance_rad(self.line.direction(at)?))
+    }
+
+    /// From a clearance, how long surely no edge is crossed; of the tolerance's order at least.
+    fn step(&self, clearance: f64) -> Duration {
+        let certain = clearance.max(DEPTH_TOLERANCE_RAD) / self.speed;
+        Duration::from_ns(Duration::from_seconds_floor(certain).ns().max(1))
+    }
 
     /// The visits within one interval near the pixel.
-    fn inside(
-        &self,
-        pixel: &Boundary,
-        interval: &Visit,
-        speed: f64,
-        visits: &mut Vec<Visit>,
-    ) -> Result<(), VisitsError> {
-        let clearance = |at: Instant| -> Result<f64, EphemerisError> {
-            Ok(pixel.clearance_rad(self.direction(at)?))
-        };
-        let mut at = interval.entry;
-        let mut here = clearance(at)?;
+    fn inside(&self, interval: &Visit, visits: &mut Vec<Visit>) -> Result<(), EphemerisError> {
+        let mut here = Motion::of(self.line, interval.entry)?;
+        let mut clearance = self.pixel.clearance_rad(here.direction);
         // Inside at the start of the interval: only where that is the search's start.
-        let mut entry = (here >= 0.0).then_some((at, interval.entry_clipped));
-        while at < interval.exit {
-            let certain = here.abs().max(DEPTH_TOLERANCE_RAD) / speed;
-            let step = Duration::from_seconds_floor(certain).ns().max(1);
-            let next = at.plus(Duration::from_ns(step)).min(interval.exit);
-            let there = clearance(next)?;
-            if (here >= 0.0) != (there >= 0.0) {
-                let (before, after) = bisect(clearance, at, next, here >= 0.0)?;
-                match entry.take() {
-                    // First instant inside, last instant inside.
-                    None => entry = Some((after, false)),
-                    Some((entry, entry_clipped)) => {
-                        visits.push(Visit {
-                            entry,
-                            exit: before,
-                            entry_clipped,
-                            exit_clipped: false,
-                        });
-                    }
-                }
+        let mut entry: Entry = (clearance >= 0.0).then_some((here.at, interval.entry_clipped));
+        while here.at < interval.exit {
+            let free = self.step(clearance.abs());
+            let leap = free >= self.longest && clearance.abs() > DEPTH_TOLERANCE_RAD;
+            let span = if leap { free } else { self.longest };
+            let next = Motion::of(self.line, here.at.plus(span).min(interval.exit))?;
+            if !leap {
+                self.along(&here, &next, &mut entry, visits)?;
             }
-            (at, here) = (next, there);
+            here = next;
+            clearance = self.pixel.clearance_rad(here.direction);
         }
         if let Some((entry, entry_clipped)) = entry {
             let exit_clipped = interval.exit_clipped;
             visits.push(Visit { entry, exit: interval.exit, entry_clipped, exit_clipped });
+        }
+        Ok(())
+    }
+
+    /// Changes of side along one piece; at its ends the side is the attitude's own.
+    fn along(
+        &self,
+        from: &Motion,
+        to: &Motion,
+        entry: &mut Entry,
+        visits: &mut Vec<Visit>,
+    ) -> Result<(), EphemerisError> {
+        let arc = Arc::between(from, to);
+        // The last instant at which the side is certain, and where the walk stands.
+        let (mut sure, mut at) = (from.at, from.at);
+        let mut clearance = self.pixel.clearance_rad(from.direction).abs();
+        while at < to.at {
+            at = at.plus(self.step(clearance - ERROR_RAD)).min(to.at);
+            let inside = entry.is_some();
+            let seen = self.pixel.clearance_rad(arc.direction(at));
+            clearance = seen.abs();
+            let certain = clearance > ERROR_RAD;
+            let side = seen >= 0.0;
+            if certain && side == inside {
+                sure = at;
+            } else if (side != inside || at == to.at) && (self.clearance(at)? >= 0.0) != inside {
+                let (before, after) = bisect(|at| self.clearance(at), sure, at, inside)?;
+                match entry.take() {
+                    // First instant inside, last instant inside.
+                    None => *entry = Some((after, false)),
+                    Some((entry, entry_clipped)) => visits.push(Visit {
+                        entry,
+                        exit: before,
+                        entry_clipped,
+                        exit_clipped: false,
+                    }),
+                }
+                sure = at;
+            }
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! How waits are spread: counts in bins of equal ratio or of equal width.
 //!
-//! Logarithmic bins have fixed edges, [`BINS_PER_DECADE`] in each decade from 1 s to 1e8 s (3.2 y), so
+//! Logarithmic bins have fixed edges, [`BINS_PER_DECADE`] in each decade from 1 ms to 1e8 s (3.2 y), so
 //! that missions compare bin by bin. Linear bins run from 0 to above the longest value, at most
 //! [`MOST_LINEAR_BINS`] of a width of 1, 2 or 5 times a power of ten seconds.
 //!
@@ -15,8 +15,8 @@ pub const BINS_PER_DECADE: usize = 10;
 /// Most linear bins.
 pub const MOST_LINEAR_BINS: usize = 50;
 /// Decades of logarithmic bins.
-const DECADES: usize = 8;
-const LOG_LOW_S: f64 = 1.0;
+const DECADES: usize = 11;
+const LOG_LOW_S: f64 = 1e-3;
 const LOG_HIGH_S: f64 = 1e8;
 
 /// Counts by bin.
@@ -97,15 +97,15 @@ mod tests {
 
     #[test]
     fn logarithmic_edges_are_tenths_of_decades() {
-        let histogram = Histogram::logarithmic(&seconds(&[0.5, 1.0, 1.3, 1200.0, 2e8]));
-        assert_eq!((histogram.counts.len(), histogram.edges_s.len()), (80, 81));
+        let histogram = Histogram::logarithmic(&seconds(&[0.5e-3, 1.0, 1.3, 1200.0, 2e8]));
+        assert_eq!((histogram.counts.len(), histogram.edges_s.len()), (110, 111));
         for (index, edge) in histogram.edges_s.iter().enumerate() {
-            let expected = 10.0_f64.powf(real(index) / 10.0);
+            let expected = 10.0_f64.powf(real(index) / 10.0 - 3.0);
             assert!((edge / expected - 1.0).abs() < 1e-14);
         }
         assert_eq!((histogram.under, histogram.over), (1, 1));
-        let filled: Vec<usize> = (0..80).filter(|index| histogram.counts[*index] > 0).collect();
-        assert_eq!(filled, [0, 1, 30]);
+        let filled: Vec<usize> = (0..110).filter(|index| histogram.counts[*index] > 0).collect();
+        assert_eq!(filled, [30, 31, 60]);
     }
 
     #[test]

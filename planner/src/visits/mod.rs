@@ -3,8 +3,8 @@
 //! A visit is a maximal interval inside a circle about a target, or inside a HEALPix pixel's true
 //! boundary. Revisit is the next entry less this entry, gap the next entry less this exit.
 //!
-//! Frames: pixels and fixed directions are ecliptic and geometric, as a map's pixels are: the line of
-//! sight itself, without aberration. Instants are TAI.
+//! Frames: pixels are ecliptic or galactic, fixed directions ecliptic, both geometric, as a map's pixels
+//! are: the line of sight itself, without aberration. Instants are TAI.
 //!
 //! Method: circles by the flight core's certified search ([`transits`]); pixels by that search on a
 //! circle that holds the pixel ([`boundary`]), then by steps that provably cross no edge
@@ -14,6 +14,7 @@
 
 pub mod fixed;
 pub mod boundary;
+mod arc;
 pub mod crossing;
 pub mod counting;
 pub mod histogram;
