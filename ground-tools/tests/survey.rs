@@ -90,8 +90,6 @@ fn numbers_are_those_of_the_reference() {
 fn real_ephemerides_frames_steps_and_detectors_agree_with_the_flight_core() {
     let folder = tempfile::tempdir().unwrap();
     let base = [
-        "--duration",
-        "40000s",
         "--nside",
         "256",
         "--moment",
