@@ -110,7 +110,7 @@ mod tests {
         };
         assert_eq!(scan.instant(19), Instant::from_tai_ns(1_000_000_005));
         assert_eq!(scan.elapsed(1), Duration::from_ns(52_631_578));
-        for j in [0, 1, 19, 1_641_600, 1_800_000_000_000] {
+        for j in [0, 1, 19, 1_641_600, 1_800_000_000] {
             assert_eq!(scan.first_sample_at(scan.elapsed(j)), j);
             let after = scan.elapsed(j).ns() + 1;
             assert_eq!(scan.first_sample_at(Duration::from_ns(after)), j + 1);
