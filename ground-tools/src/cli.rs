@@ -168,6 +168,7 @@ pub struct TransitsArgs {
 
 /// `visits`.
 #[derive(Debug, Clone, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct VisitsArgs {
     /// These targets: mars,jupiter; without any place named, all of the mission's
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
@@ -267,6 +268,30 @@ pub struct SurveyArgs {
     /// Colours of the pictures by logarithm
     #[arg(long)]
     pub log: bool,
+    /// A sky of I, Q, U as HEALPix FITS: the map that the detectors make of it goes beside --out
+    #[arg(long, value_name = "FITS")]
+    pub sky: Option<PathBuf>,
+    /// The frame of a --sky that does not name its own
+    #[arg(long, value_name = "FRAME", requires = "sky")]
+    pub sky_frame: Option<SkyFrame>,
+}
+
+/// The frame of a sky.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SkyFrame {
+    /// Ecliptic longitude and latitude
+    Ecliptic,
+    /// Galactic longitude and latitude
+    Galactic,
+}
+
+impl From<SkyFrame> for crate::fits::MapFrame {
+    fn from(frame: SkyFrame) -> Self {
+        match frame {
+            SkyFrame::Ecliptic => Self::Ecliptic,
+            SkyFrame::Galactic => Self::Galactic,
+        }
+    }
 }
 
 /// `vectors`.

@@ -34,6 +34,8 @@ pub struct SightLine {
     pub field: FieldOfView,
     /// The half-wave plate before it.
     pub hwp: Option<Rotor>,
+    /// Polarisation angle from its x axis in radians; 0 but for a detector.
+    pub polarisation_rad: f64,
 }
 
 impl SightLine {
@@ -83,6 +85,7 @@ pub fn boresight(mission: &Mission) -> Result<SightLine, Failure> {
         rotation,
         field: circle(mission, rotation)?,
         hwp: if plates.all(|plate| plate == first) { first } else { None },
+        polarisation_rad: 0.0,
     })
 }
 
@@ -100,6 +103,7 @@ fn telescope(mission: &Mission, index: usize, it: &Telescope) -> Result<SightLin
         rotation,
         field,
         hwp: it.hwp,
+        polarisation_rad: 0.0,
     })
 }
 
@@ -115,6 +119,7 @@ fn detector(
         rotation: named.rotation,
         field: circle(mission, named.rotation)?,
         hwp: it.hwp,
+        polarisation_rad: named.polarisation_angle_rad,
     })
 }
 

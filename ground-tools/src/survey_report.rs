@@ -87,6 +87,18 @@ pub struct SurveyReport {
     pub map: MapReport,
     /// The map at earlier times.
     pub snapshots: Vec<Snapshot>,
+    /// What was made of a given sky.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sky: Option<SkyReport>,
+}
+
+/// A sky seen by the survey's detectors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct SkyReport {
+    /// Samples on pixels of the sky without a value.
+    pub left_out_samples: u64,
+    /// Pixels whose I, Q, U are not determined.
+    pub unsolved_pixels: usize,
 }
 
 /// The JSON summary.
@@ -192,6 +204,13 @@ pub fn text(title: &str, reports: &[SurveyReport]) -> String {
         for (index, it) in map.crosslink.iter().enumerate() {
             let name = format!("<|h|^2> ({}, {})", it.n, it.m);
             line(&name, &|map| cell(map.crosslink[index].mean_observed));
+        }
+        if let Some(sky) = report.sky {
+            let _ = writeln!(
+                text,
+                "\nI, Q, U of the sky: {} pixels not determined, {} samples left out",
+                sky.unsolved_pixels, sky.left_out_samples
+            );
         }
     }
     text

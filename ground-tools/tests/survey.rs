@@ -3,8 +3,10 @@
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 #![expect(clippy::float_cmp, reason = "whole numbers of samples")]
 
-use ground_tools::fits::{ColumnChoice, Frames, Map, MapFrame, read_map};
-use planner::healpix::Ordering;
+use ground_tools::fits::{
+    Column, ColumnChoice, Frames, Map, MapFrame, MapHeader, Polcconv, Values, read_map, write_maps,
+};
+use planner::healpix::{Nside, Ordering};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -202,6 +204,71 @@ fn detectors_share_a_map_or_have_their_own() {
     assert_eq!(all["samples"], sum);
     assert_eq!(each[0]["detector"], "g000");
     assert_ne!(each[0]["sigma_hits"], each[1]["sigma_hits"]);
+}
+
+/// A sky that is the same everywhere.
+fn uniform_sky(path: &Path, frame: MapFrame, stokes: [f64; 3]) {
+    let value = |index: usize| move |_: u32| stokes[index];
+    let (i, q, u) = (value(0), value(1), value(2));
+    let column = |name, values| Column { name, unit: "K", values: Values::Double(values) };
+    let header = MapHeader {
+        nside: Nside::new(16).unwrap(),
+        ordering: Ordering::Ring,
+        frame,
+        name: "SKY".to_owned(),
+        polcconv: Some(Polcconv::Cosmo),
+        cards: Vec::new(),
+    };
+    let columns = [column("I_STOKES", &i), column("Q_STOKES", &q), column("U_STOKES", &u)];
+    let mut bytes = Vec::new();
+    write_maps(&mut bytes, &header, &columns).unwrap();
+    std::fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn a_sky_of_q_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let (sky, out) = (folder.path().join("sky.fits"), folder.path().join("m.fits"));
+    for frame in [MapFrame::Ecliptic, MapFrame::Galactic] {
+        uniform_sky(&sky, frame, [0.0, 1.0, 0.0]);
+        let galactic = if frame == MapFrame::Galactic { &["--galactic"][..] } else { &[] };
+        for plate in
+            [&["--set", "scan.n_margin=1"][..], &["--set", "telescope.HFT.hwp_rate_rpm=none"]]
+        {
+            let base = [
+                "--duration",
+                "30d",
+                "--rate",
+                "2",
+                "--nside",
+                "16",
+                "--quiet",
+                "--telescope",
+                "HFT",
+            ];
+            let files = ["--sky", sky.to_str().unwrap(), "--out", out.to_str().unwrap()];
+            let found = json(&[&base[..], &files, galactic, plate].concat());
+            assert_eq!(found["sky"]["left_out_samples"], 0);
+            let made = folder.path().join("m-iqu.fits");
+            let map = |name| column(&made, name);
+            let (i, q, u) = (map("I_STOKES"), map("Q_STOKES"), map("U_STOKES"));
+            let condition = map("CONDITION");
+            assert_eq!(q.frame, frame);
+            let mut solved = 0;
+            for pixel in 0..q.values.len() {
+                if !q.values[pixel].is_nan() && condition.values[pixel] < 1e3 {
+                    solved += 1;
+                    assert!((q.values[pixel] - 1.0).abs() < 1e-9);
+                    assert!(i.values[pixel].abs() < 1e-9 && u.values[pixel].abs() < 1e-9);
+                }
+            }
+            assert!(solved > 100, "{solved}");
+        }
+    }
+    refused(&["--sky", sky.to_str().unwrap()], &["--sky", "--out"]);
+    std::fs::write(&sky, "no FITS").unwrap();
+    let out = out.to_str().unwrap();
+    refused(&["--sky", sky.to_str().unwrap(), "--out", out], &["sky.fits", "FITS"]);
 }
 
 #[test]

@@ -90,6 +90,8 @@ fn plain_seconds((nside, pairs): (u32, &[(f64, f64)]), samples: u64) -> f64 {
         |[x, y, z]: [f64; 3], (sin, cos): (f64, f64)| [x * cos - y * sin, x * sin + y * cos, z];
     let about_y =
         |[x, y, z]: [f64; 3], (sin, cos): (f64, f64)| [x * cos + z * sin, y, z * cos - x * sin];
+    // The spin starts at half a turn.
+    let half_turned = |(sin, cos): (f64, f64)| (-sin, -cos);
     let alpha = 45_f64.to_radians().sin_cos();
     let beta = 50_f64.to_radians().sin_cos();
     let before = Instant::now();
@@ -97,8 +99,8 @@ fn plain_seconds((nside, pairs): (u32, &[(f64, f64)]), samples: u64) -> f64 {
         let t = j as f64;
         let turned = [orbit, precession, spin].map(|rate| (rate * t).rem_euclid(TAU).sin_cos());
         let chain = |axis: [f64; 3]| {
-            let spun = about_z(about_y(axis, beta), (-turned[2].0, -turned[2].1));
-            let [x, y, z] = about_z(about_y(spun, alpha), turned[1]);
+            let tilted = about_y(about_z(about_y(axis, beta), half_turned(turned[2])), alpha);
+            let [x, y, z] = about_z(tilted, turned[1]);
             // z away from the Sun, x to the north.
             about_z([z, -y, x], turned[0])
         };
@@ -108,10 +110,10 @@ fn plain_seconds((nside, pairs): (u32, &[(f64, f64)]), samples: u64) -> f64 {
         let pixel = ring_pixel(nside, n);
         hits[pixel] += 1.0;
         for (index, (order, multiple)) in pairs.iter().enumerate() {
-            let (sin, cos) = (order * psi + multiple * phi).sin_cos();
+            let phasor = (order * psi + multiple * phi).sin_cos();
             let cell = 2 * (pixel * pairs.len() + index);
-            sums[cell] += cos;
-            sums[cell + 1] -= sin;
+            sums[cell] += phasor.1;
+            sums[cell + 1] -= phasor.0;
         }
     }
     let taken = before.elapsed().as_secs_f64();
@@ -172,6 +174,9 @@ fn arithmetic_seconds(threads: usize, steps: u64) -> f64 {
     before.elapsed().as_secs_f64()
 }
 
+/// Name, nside and pairs of a line of the table.
+type Line = (&'static str, u32, &'static [(f64, f64)]);
+
 fn main() {
     let test = std::env::args().any(|argument| argument == "--test");
     let (passes, days) = if test { (1, 1) } else { (7, 40) };
@@ -181,7 +186,7 @@ fn main() {
     let few = samples / if test { 10 } else { 20 };
     println!("one core, {HZ} Hz, M samples/s (times the plain one)");
     println!("{:<26} {:>8} {:>16} {:>16} {:>16}", "", "plain", "avx512", "avx2", "portable");
-    let lines: [(&str, u32, &[(f64, f64)]); 5] = [
+    let lines: [Line; 5] = [
         ("hits, nside 128", 128, &[]),
         ("five moments, nside 128", 128, &FIVE),
         ("five moments, nside 256", 256, &FIVE),

@@ -156,6 +156,9 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Fai
     }
 }
 
+/// Names and contents.
+type Files = Vec<(String, Vec<u8>)>;
+
 /// Writes the figures where they are asked for, each folder whole; names what was written.
 fn write_figures(arguments: &VisitsArgs, figures: &[Figure]) -> Result<Vec<String>, Failure> {
     let png = |figure: &Figure| figure.drawing.png().map_err(Failure::from);
@@ -164,7 +167,7 @@ fn write_figures(arguments: &VisitsArgs, figures: &[Figure]) -> Result<Vec<Strin
         let file = |figure: &Figure| Ok((format!("{}.{extension}", figure.stem), bytes(figure)?));
         figures.par_iter().map(file).collect::<Result<Vec<_>, Failure>>()
     };
-    let mut folders: Vec<(&Path, Vec<(String, Vec<u8>)>)> = Vec::new();
+    let mut folders: Vec<(&Path, Files)> = Vec::new();
     if let Some(folder) = &arguments.png {
         folders.push((folder, files("png", &png)?));
     }

@@ -3,7 +3,7 @@
 //! Frame: `Ecliptic`; times in ns from the piece's start.
 //!
 //! Method: Hermite's cubic through directions and velocities at both ends. With m the path in the
-//! anti-Sun frame, w_a, w_b and w_f the rates of precession, spin and frame, beta_d the detector's angle
+//! anti-Sun frame, `w_a`, `w_b` and `w_f` the rates of precession, spin and frame, `beta_d` the detector's angle
 //! from the spin axis and h the piece's length, a frame that turns evenly leaves at most
 //! `M h^4/384`, `M = sin beta_d (w_a + w_b + w_f)^4 + (w_a + w_f)^4`, for each derivative brings one
 //! factor of a rate. What an uneven frame adds starts with value and rate zero, and its second
@@ -135,14 +135,14 @@ mod tests {
             for detector in [Rotation::IDENTITY, Rotation::<Detector, Boresight>::about_x(0.2)] {
                 let sun = SunModel::Circular(rotor(365.25 * 86_400.0, 0.2));
                 let line = LineOfSight { scan: &scan, sun, detector, ends };
-                let span = longest(&line);
+                let length = longest(&line);
                 for piece in 0..50 {
                     let start = Instant::from_tai_ns(piece * 97_531_234_567);
                     let [from, to] =
-                        [start, start.plus(span)].map(|at| Motion::of(&line, at).unwrap());
+                        [start, start.plus(length)].map(|at| Motion::of(&line, at).unwrap());
                     let arc = Arc::between(&from, &to);
                     for share in 0..=20 {
-                        let at = start.plus(Duration::from_ns(span.ns() / 20 * share));
+                        let at = start.plus(Duration::from_ns(length.ns() / 20 * share));
                         let there = line.direction(at).unwrap();
                         worst = worst.max(arc.direction(at).separation_rad(there));
                     }

@@ -1,0 +1,113 @@
+//! `survey --sky`: what a sky of I, Q, U looks like after the survey's detectors have seen it, binned
+//! into the survey's pixels.
+
+use super::Session;
+use crate::cli::{SharedArgs, SurveyArgs};
+use crate::failure::Failure;
+use crate::fits::{
+    Card, Column, Frames, MapFrame, MapHeader, Polcconv, StokesMap, Values, provenance_cards,
+    read_stokes, write_maps,
+};
+use crate::output::Sink;
+use crate::sightline::SightLine;
+use crate::survey_products::beside;
+use crate::survey_report::{SkyReport, who};
+use planner::mapmaking::{
+    BinnedMaps, CONDITION_LIMIT, MapMaker, PolarisationConvention, Sample, Sky, SkyMap, Solution,
+};
+use planner::survey::{MapFrame as SurveyFrame, Progress, Survey};
+use std::path::Path;
+
+/// The sky asked for.
+pub(super) fn asked(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<Option<Sky>, Failure> {
+    match (&arguments.sky, &shared.out) {
+        (None, _) => Ok(None),
+        (Some(path), Some(out)) if out.as_os_str() != "-" => {
+            read(path, arguments.sky_frame.map(Into::into)).map(Some)
+        }
+        (Some(path), _) => Err(Failure::Input(format!(
+            "--sky {}: --out with a file's name is needed, beside which the map of I, Q, U goes",
+            path.display()
+        ))),
+    }
+}
+
+/// Reads a sky; a file that does not name its frame is taken to be in `unsaid`.
+fn read(path: &Path, unsaid: Option<MapFrame>) -> Result<Sky, Failure> {
+    let frames = Frames { accepted: &[MapFrame::Ecliptic, MapFrame::Galactic], unsaid };
+    let map: StokesMap = read_stokes(path, frames)?;
+    let frame = match map.frame {
+        MapFrame::Galactic => SurveyFrame::Galactic,
+        MapFrame::Ecliptic | MapFrame::Equatorial => SurveyFrame::Ecliptic,
+    };
+    Sky::new(&SkyMap {
+        nside: map.nside,
+        ordering: map.ordering,
+        frame,
+        convention: PolarisationConvention::Cosmo,
+        stokes: [&map.i, &map.q, &map.u],
+    })
+    .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+}
+
+impl Session<'_> {
+    /// Lets the survey's detectors look at `sky`, and writes what they make of it beside `--out`.
+    pub(super) fn observe(
+        &self,
+        survey: &Survey<'_>,
+        (lines, sky, name): (&[SightLine], &Sky, &str),
+        progress: &Progress,
+        files: &mut Vec<String>,
+    ) -> Result<SkyReport, Failure> {
+        let angles: Vec<f64> = lines.iter().map(|line| line.polarisation_rad).collect();
+        let mut maker = MapMaker::new(survey, &angles, sky, self.isa);
+        let whole = maker
+            .collect(0..self.input.samples, &self.pool, progress, &Sample::signal)
+            .map_err(|error| Failure::internal(format!("{error:?}")))?;
+        if !whole {
+            return Err(Failure::Check(format!(
+                "interrupted while the sky was observed; these are written: {}",
+                files.join(", ")
+            )));
+        }
+        let maps = maker.finish();
+        let (telescope, detector) = super::seen_by(lines);
+        if let Some(out) = &self.out {
+            let path = beside(out, &format!("{name}-iqu"));
+            self.write_stokes(&Sink::File(path.clone()), &maps, &who(&telescope, &detector))?;
+            files.push(path.display().to_string());
+        }
+        let pixels = 0..self.nside.pixels();
+        let unsolved = pixels.filter(|&pixel| maps.solve(pixel, CONDITION_LIMIT).is_none()).count();
+        Ok(SkyReport { left_out_samples: maps.left_out(), unsolved_pixels: unsolved })
+    }
+
+    fn write_stokes(&self, sink: &Sink, maps: &BinnedMaps, seen_by: &str) -> Result<(), Failure> {
+        let nested = |pixel: u32| self.nside.nested(self.layout.ordering, pixel);
+        let solved = |pixel: u32| maps.solve(nested(pixel), CONDITION_LIMIT);
+        let stokes = |index: usize| {
+            move |pixel: u32| solved(pixel).map_or(f64::NAN, |it: Solution| it.stokes[index])
+        };
+        let (i, q, u) = (stokes(0), stokes(1), stokes(2));
+        let condition = |pixel: u32| maps.condition(nested(pixel)).unwrap_or(f64::NAN);
+        let hits = |pixel: u32| i64::try_from(maps.hits(nested(pixel))).unwrap_or(i64::MAX);
+        let columns = [
+            Column { name: "I_STOKES", unit: "", values: Values::Double(&i) },
+            Column { name: "Q_STOKES", unit: "", values: Values::Double(&q) },
+            Column { name: "U_STOKES", unit: "", values: Values::Double(&u) },
+            Column { name: "CONDITION", unit: "", values: Values::Double(&condition) },
+            Column { name: "HITS", unit: "samples", values: Values::Integer(&hits) },
+        ];
+        let mut cards = provenance_cards(&self.provenance);
+        cards.push(Card::text("DETECTOR", seen_by, "who looked"));
+        let header = MapHeader {
+            nside: self.nside,
+            ordering: self.layout.ordering,
+            frame: self.layout.frame.into(),
+            name: "STOKES".to_owned(),
+            polcconv: Some(Polcconv::Cosmo),
+            cards,
+        };
+        sink.write_with(|out| write_maps(out, &header, &columns))
+    }
+}
