@@ -1,6 +1,6 @@
 //! Pictures of maps and charts of numbers, as SVG and as PNG.
 //!
-//! [`sky_picture`] draws a HEALPix map, the whole sky or a patch of it; [`chart`] draws lines and
+//! [`sky_picture`] draws a HEALPix map, the whole sky or a patch of it; [`chart()`] draws lines and
 //! histograms. Longitude increases to the left, as the sky is seen from within. A picture is drawn
 //! once, as SVG; its PNG is made from that SVG, with a font that comes with the program, so equal
 //! input gives equal bytes.

@@ -148,10 +148,8 @@ impl<'a> Collector<'a> {
     ) -> Result<bool, EphemerisError> {
         match self.survey.moments.len() {
             0 => self.collect_lanes::<0>(span, pool, progress),
-            1..=4 => self.collect_lanes::<4>(span, pool, progress),
-            5..=8 => self.collect_lanes::<8>(span, pool, progress),
+            1..=8 => self.collect_lanes::<8>(span, pool, progress),
             9..=16 => self.collect_lanes::<16>(span, pool, progress),
-            17..=32 => self.collect_lanes::<32>(span, pool, progress),
             _ => self.collect_lanes::<MOST_MOMENTS>(span, pool, progress),
         }
     }

@@ -6,7 +6,7 @@
 //! the pixel can be visited, none missed. Inside each, from every instant a span is skipped in which
 //! no edge can be crossed: [`Boundary::clearance_rad`] over the largest speed of the line of sight,
 //! `|w_b| sin beta_d + |w_a| + the anti-Sun frame's`. Where that span is short, the path over the next
-//! piece is a cubic whose error is bounded ([`arc`](super::arc)), the clearance is reduced by that error,
+//! piece is a cubic whose error is bounded (module `arc`), the clearance is reduced by that error,
 //! and attitudes are needed at the piece's ends only. Steps shrink towards an edge; once they are
 //! shorter than the tolerance, one step of that length is made, and a change of side is confirmed by
 //! the attitude and closed in on by bisection to a nanosecond. So every corner cut deeper than the
