@@ -271,6 +271,46 @@ fn a_sky_of_q_comes_back() {
     refused(&["--sky", sky.to_str().unwrap(), "--out", out], &["sky.fits", "FITS"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn an_interrupt_keeps_snapshots() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("m.fits");
+    // Far more than can be done while the test waits.
+    let arguments = [
+        "--sun",
+        "circular:0deg",
+        "--duration",
+        "60y",
+        "--rate",
+        "500",
+        "--nside",
+        "4",
+        "--snapshot",
+        "1d",
+        "--quiet",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    let mut child = command(&arguments).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let snapshot = folder.path().join("m-1d.fits");
+    for _ in 0..600 {
+        if snapshot.exists() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(100));
+    }
+    let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    let mut told = String::new();
+    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut told).unwrap();
+    assert!(told.contains("interrupted") && told.contains("m-1d.fits"), "{told}");
+    assert_eq!(column(&snapshot, "HITS").values.iter().sum::<f64>(), 43_200_000.0);
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
+    assert_eq!(left.len(), 1);
+}
+
 #[test]
 fn slow_sampling_is_a_warning() {
     let output = run(&["--duration", "1h", "--rate", "5", "--nside", "8", "--telescope", "HFT"]);

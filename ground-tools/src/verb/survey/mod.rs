@@ -16,9 +16,8 @@ use crate::sightline::{NONE, SightLine, select};
 use crate::survey_input::SurveyInput;
 use crate::survey_products::{Layout, Pictures, beside, tracks, write_fits};
 use crate::survey_report::{MapReport, Snapshot, Summary, SurveyReport, text, who};
-use crate::world::World;
+use crate::world::{Tables, World};
 use indicatif::{ProgressBar, ProgressStyle};
-use onboard_core::sun::SunModel;
 use onboard_core::time::Duration;
 use planner::healpix::{Nside, Ordering};
 use planner::mapmaking::Sky;
@@ -64,21 +63,22 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let ordering = if arguments.nested { Ordering::Nested } else { Ordering::Ring };
     let layout = Layout { ordering, frame };
 
-    let tables = world.tables(&world.ground_options())?;
-    let table = tables.parse()?;
-    let source = match (input.circular_sun, world.sun(table)?) {
+    // The circular Sun needs no table; tracks do.
+    let needs_table = input.circular_sun.is_none() || arguments.tracks;
+    let tables = needs_table.then(|| world.tables(&world.ground_options())).transpose()?;
+    let table = tables.as_ref().map(Tables::parse).transpose()?;
+    let source = match (input.circular_sun, table) {
         (Some(longitude), _) => SunSource::Circular(longitude),
-        (None, model @ SunModel::Table(_)) => SunSource::Table(model),
-        (None, SunModel::Circular(_)) => {
-            return Err(Failure::internal("a circular Sun without its longitude"));
-        }
+        (None, Some(table)) => SunSource::Table(world.sun(table)?),
+        (None, None) => return Err(Failure::internal("neither a circular Sun nor a table")),
     };
-    let drawn = if arguments.tracks {
-        let targets: Vec<(String, i32)> =
-            world.targets.iter().map(|it| (it.name().to_owned(), it.body())).collect();
-        tracks(table, &targets, (world.start, world.end), frame)
-    } else {
-        Vec::new()
+    let drawn = match table {
+        Some(table) if arguments.tracks => {
+            let targets: Vec<(String, i32)> =
+                world.targets.iter().map(|it| (it.name().to_owned(), it.body())).collect();
+            tracks(table, &targets, (world.start, world.end), frame)
+        }
+        _ => Vec::new(),
     };
     let session = Session {
         world: &world,
