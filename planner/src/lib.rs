@@ -7,6 +7,7 @@
 pub mod constraints;
 pub mod healpix;
 pub mod opportunity;
+pub mod resonance;
 pub mod visits;
 pub mod schedule;
 pub mod survey;
