@@ -1,1 +1,609 @@
-//! Certificate.
+//! Does any period within tolerance resonate.
+//!
+//! A [`Tolerance`] makes of the two periods a box. [`Predictor::certify`] bounds `sigma_hits / mean`
+//! over all of it, whatever the start phases, and names the resonance that weighs most.
+//!
+//! Method: all that varies in the box is `m* = -(k N_a + j N_b) / N_o` of each pair, and that is
+//! `-(T_o / T_a)(k + j eta)` with `eta = T_a / T_b`: the box is cut into slices of eta. In a slice
+//!
+//! 1. every pair whose band |m*| <= l_max meets it is enumerated, for each j the whole numbers k
+//!    of one interval: the fractions `k / -j` of the Stern-Brocot tree in the band, and their
+//!    multiples;
+//! 2. the power of a pair is a smooth function of its `m*`; its supremum is that at points a
+//!    sixteenth apart plus `h^2 / 8` times a bound of its curvature;
+//! 3. pairs that can meet at one m somewhere in the slice add amplitudes, others add powers.
+//!
+//! The slice with the largest bound is halved until the box passes, some point exceeds the allowance
+//! or [`MOST_SLICES`] are used.
+//!
+//! An orbit whose longitude advances between `1 - r` and `1 + r` times its mean rate spreads a pair
+//! over `m* / (1 +- r)`: there the supremum is the largest P(m) of the band, times the largest sum
+//! of squares `1 / (1 - r)`. A latitude b tilts the pattern and reaches `l_max b` further.
+//!
+//! Limits: rigorous for the model of [`super::power`], whose terms end 3 m from `m*` (test
+//! `no_point_in_a_passing_box_exceeds_its_bound`).
+
+use super::motion::{Motion, MotionError};
+use super::power::{Predictor, SMOOTH, all_of_sinc, sinc};
+use std::f64::consts::{PI, TAU};
+use thiserror::Error;
+
+/// Slices of eta that are bounded at most.
+pub const MOST_SLICES: usize = 48;
+/// Products of two pairs below it are bounded without a look at where they meet.
+const NEGLIGIBLE_OVERLAP: f64 = 1e-9;
+/// Products of two pairs below it are bounded by Cauchy and Schwarz.
+const FINE_OVERLAP: f64 = 1e-6;
+/// Points between whole m*, for one orbit.
+const POINTS: f64 = 16.0;
+/// Bound of the sum of `|w''|` over the terms' weights, for one orbit.
+const CURVATURE: f64 = 20.0;
+/// Points of the scan for the floor.
+const FLOOR_POINTS: u32 = 101;
+/// The floor is sought within this share of the precession period.
+const FLOOR_RANGE: f64 = 0.0025;
+
+/// How far the periods may be from their nominal values, either way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Of the precession period, in seconds.
+    pub precession_s: f64,
+    /// Of the spin period, in seconds.
+    pub spin_s: f64,
+}
+
+/// How an orbit departs from a circle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrbitSpread {
+    /// Largest relative departure of the anti-Sun longitude's rate from its mean.
+    pub rate: f64,
+    /// Largest ecliptic latitude of the anti-Sun direction, in radians.
+    pub latitude_rad: f64,
+}
+
+impl OrbitSpread {
+    /// Uniform longitude.
+    pub const CIRCULAR: Self = Self { rate: 0.0, latitude_rad: 0.0 };
+    /// The Earth's ellipse: `(1 - e)^-2 - 1` with e = 0.0167.
+    pub const ELLIPTIC: Self = Self { rate: 0.0343, latitude_rad: 0.0 };
+
+    /// An orbit about L2 on the ellipse, seen from the Sun within `in_plane_rad` of L2 along the
+    /// ecliptic and `latitude_rad` across; its turns in the plane are 2.09 a year.
+    #[must_use]
+    pub fn about_l2(in_plane_rad: f64, latitude_rad: f64) -> Self {
+        Self { rate: Self::ELLIPTIC.rate + 2.09 * in_plane_rad, latitude_rad }
+    }
+}
+
+/// Why there is no certificate.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum CertificateError {
+    /// Periods, phases or duration.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// A tolerance that is negative or as wide as its period.
+    #[error("the tolerance of {name} is {tolerance_s} s, but must be from 0 to below {period_s} s")]
+    Tolerance {
+        /// Which period.
+        name: &'static str,
+        /// Its tolerance in seconds.
+        tolerance_s: f64,
+        /// Its value in seconds.
+        period_s: f64,
+    },
+    /// The spin is not faster than the precession.
+    #[error("the spin period {spin_period_s} s must be shorter than the precession period {precession_period_s} s")]
+    Order {
+        /// Precession period in seconds.
+        precession_period_s: f64,
+        /// Spin period in seconds.
+        spin_period_s: f64,
+    },
+    /// A rate that varies by more than itself, or a latitude beyond a right angle.
+    #[error("an orbit whose rate varies by {0} of itself cannot be bounded; below 0.5 is needed")]
+    Spread(f64),
+}
+
+/// The outcome of a check.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Certificate {
+    /// Whether the bound keeps within the allowance.
+    pub passes: bool,
+    /// Whether some point in the box exceeds the allowance, so that no finer bound could pass it.
+    pub refuted: bool,
+    /// `sigma_hits / mean` at the nominal periods and phases.
+    pub sigma_predicted: f64,
+    /// The same without resonances.
+    pub sigma_smooth: f64,
+    /// No point of the box has a larger `sigma_hits / mean`.
+    pub sigma_bound: f64,
+    /// The floor that it is compared with.
+    pub sigma_floor: f64,
+    /// `sigma_bound / sigma_floor - 1`.
+    pub excess: f64,
+    /// Slices that were bounded.
+    pub slices: usize,
+    /// The resonance with the largest share of the bound.
+    pub worst: Option<Worst>,
+}
+
+/// A resonance, as reports name it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worst {
+    /// Spins in q precessions, of a reduced fraction.
+    pub p: i32,
+    /// Precessions... the fraction's denominator.
+    pub q: i32,
+    /// Which multiple of the fraction.
+    pub multiple: i32,
+    /// Azimuthal number at which its power is largest.
+    pub m: i32,
+    /// Precession period at which it stands there, at the nominal spin period, in seconds.
+    pub precession_period_s: f64,
+    /// Sign of that period less the commensurable one.
+    pub sideband: i32,
+    /// Largest power in the box, both conjugates.
+    pub power_bound: f64,
+    /// Moire wavelength in ecliptic longitude at the nominal periods, in radians.
+    pub wavelength_rad: f64,
+    /// Time in which the pattern beats at the nominal periods, in seconds.
+    pub beat_s: f64,
+    /// Share of its power at its largest that lies north of the ecliptic.
+    pub northern_share: f64,
+    /// Distance of its peak from the nominal precession period, in tolerances of both periods
+    /// together; infinite for a point.
+    pub distance_in_tolerances: f64,
+}
+
+/// Ranges of eta and of the precession period.
+#[derive(Debug, Clone, Copy)]
+struct Slice {
+    eta: [f64; 2],
+    precession_s: [f64; 2],
+}
+
+/// A pair's share of a slice's bound, one conjugate.
+#[derive(Debug, Clone, Copy)]
+struct Band {
+    pair: usize,
+    frequencies: [i32; 2],
+    /// Of `m*`.
+    range: [f64; 2],
+    power: f64,
+}
+
+/// A slice with its bound.
+#[derive(Debug, Clone, Copy)]
+struct Bounded {
+    slice: Slice,
+    variance: f64,
+    worst: Option<Band>,
+}
+
+/// What does not change from slice to slice.
+#[derive(Debug, Clone)]
+struct Survey {
+    motion: Motion,
+    spread: OrbitSpread,
+    orbits: f64,
+    reach: f64,
+    smooth: f64,
+    /// Largest sum of squares of one pair's coefficients.
+    coefficients: f64,
+    /// How far a pair's terms may be from its `m*`, on a circle.
+    room: f64,
+    /// Bounds of the sum of products of two pairs' coefficients relative to the geometric mean of
+    /// their sums of squares, by the distance of their `m*` in cells of [`CELL`].
+    overlaps: Vec<f64>,
+}
+
+impl Survey {
+    /// Where the terms of a pair can lie whose `m*` lies in a range.
+    fn widened(&self, [low, high]: [f64; 2]) -> [f64; 2] {
+        let rate = self.spread.rate;
+        let least = (low / (1.0 - rate)).min(low / (1.0 + rate));
+        let most = (high / (1.0 - rate)).max(high / (1.0 + rate));
+        [least - self.room, most + self.room]
+    }
+}
+
+/// Width of a cell of distances of `m*`.
+const CELL: f64 = 0.125;
+
+/// The overlap that two pairs can have at a distance of `m*` or more.
+fn overlap_share(overlaps: &[f64], apart: f64) -> f64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small, positive")]
+    let cell = (apart / CELL) as usize;
+    overlaps.get(cell).copied().unwrap_or(0.0)
+}
+
+/// For each cell of distances, the largest sum of products of coefficients there or beyond.
+fn overlaps(orbits: f64, reach: f64) -> Vec<f64> {
+    let orbits = orbits.abs();
+    let fine = 32.0 * orbits.max(1.0);
+    let room = reach.ceil() + 0.5;
+    let steps = |length: f64| (length * fine).ceil();
+    let largest = all_of_sinc(0.0, orbits);
+    // How much the tail's correction raises amplitudes.
+    let mut kept = f64::INFINITY;
+    let mut sums = vec![0.0_f64; 1 + (2.0 * room / CELL).ceil() as usize];
+    let mut x = 0.0;
+    while x < steps(1.0) {
+        let at = x / fine - 0.5;
+        let weight = |m: f64, y: f64| {
+            if (m - y).abs() <= room + 1.0 / fine { sinc(PI * orbits * (m - y)).abs() } else { 0.0 }
+        };
+        let window = |y: f64| {
+            let mut m = (y - room - 1.0).ceil();
+            std::iter::from_fn(move || {
+                m += 1.0;
+                (m <= y + room + 1.0).then_some(m)
+            })
+        };
+        let squares: f64 = window(at).map(|m| weight(m, at).powi(2)).sum();
+        kept = kept.min(squares);
+        let mut apart = 0.0;
+        while apart < steps(2.0 * room) {
+            let other = at + apart / fine;
+            let sum: f64 = window(at).map(|m| weight(m, at) * weight(m, other)).sum();
+            let cell = (apart / fine / CELL) as usize;
+            if let Some(most) = sums.get_mut(cell) {
+                *most = most.max(sum);
+            }
+            apart += 1.0;
+        }
+        x += 1.0;
+    }
+    // Between points the sum changes by at most its slope, pi N_o / sqrt 3 of the norms, in each
+    // argument, half a step away in x and one in distance.
+    let margin = largest * 1.5 * PI * orbits / 3.0_f64.sqrt() / fine;
+    let raise = (largest / kept.max(1e-3)).max(1.0);
+    let mut beyond = 0.0_f64;
+    for sum in sums.iter_mut().rev() {
+        beyond = beyond.max(*sum);
+        *sum = ((beyond + margin) * raise / largest).min(1.0);
+    }
+    sums
+}
+
+impl Predictor {
+    /// The smallest `sigma_hits / mean` predicted within 0.25% of the precession period.
+    pub fn floor(&mut self, motion: &Motion) -> f64 {
+        let half = f64::from(FLOOR_POINTS / 2);
+        (0..FLOOR_POINTS)
+            .map(|i| 1.0 + FLOOR_RANGE * (f64::from(i) / half - 1.0))
+            .map(|factor| motion.precession_period_s * factor)
+            .map(|precession_period_s| self.predict(&Motion { precession_period_s, ..*motion }).sigma())
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Bounds `sigma_hits / mean` over the tolerances and compares it with `floor` times
+    /// `1 + allowed`.
+    ///
+    /// # Errors
+    /// [`CertificateError`] naming what is not legal.
+    pub fn certify(
+        &mut self,
+        motion: &Motion,
+        tolerance: Tolerance,
+        spread: OrbitSpread,
+        [floor, allowed]: [f64; 2],
+    ) -> Result<Certificate, CertificateError> {
+        let motion = motion.checked()?;
+        let whole = checked_box(&motion, tolerance, spread)?;
+        let nominal = self.predict(&motion);
+        let survey = Survey {
+            motion,
+            spread,
+            orbits: motion.orbits(),
+            reach: Self::reach(&motion),
+            smooth: nominal.smooth_variance,
+            coefficients: all_of_sinc(0.0, motion.orbits()) / (1.0 - spread.rate),
+            room: Self::reach(&motion).ceil() + 0.5 + spread.latitude_rad * f64::from(self.l_max()),
+            overlaps: overlaps(motion.orbits(), Self::reach(&motion)),
+        };
+        let limit = (floor * (1.0 + allowed)).powi(2);
+        let mut slices = vec![self.bound(&survey, whole)];
+        let mut refuted = nominal.variance > limit;
+        while slices.len() < MOST_SLICES {
+            slices.sort_by(|a, b| a.variance.total_cmp(&b.variance));
+            let Some(top) = slices.last().copied() else { break };
+            if top.variance <= limit || refuted {
+                break;
+            }
+            let [low, high] = top.slice.eta;
+            let middle = f64::midpoint(low, high);
+            if !(low < middle && middle < high) {
+                break;
+            }
+            slices.pop();
+            for eta in [[low, middle], [middle, high]] {
+                slices.push(self.bound(&survey, Slice { eta, ..top.slice }));
+            }
+            refuted |= self.predict(&at_eta(&motion, tolerance, middle)).variance > limit;
+        }
+        let top = slices.iter().max_by(|a, b| a.variance.total_cmp(&b.variance));
+        let bound = top.map_or(f64::NAN, |it| it.variance).max(0.0).sqrt();
+        let excess = bound / floor - 1.0;
+        let worst = top.and_then(|it| it.worst).map(|band| self.describe(&survey, tolerance, band));
+        Ok(Certificate {
+            passes: excess <= allowed,
+            refuted,
+            sigma_predicted: nominal.sigma(),
+            sigma_smooth: nominal.smooth_sigma(),
+            sigma_bound: bound,
+            sigma_floor: floor,
+            excess,
+            slices: slices.len(),
+            worst,
+        })
+    }
+
+    fn bound(&mut self, survey: &Survey, slice: Slice) -> Bounded {
+        let Survey { motion, spread, room, .. } = *survey;
+        let limit = (f64::from(self.l_max()) + room) * (1.0 + spread.rate);
+        let eta = f64::midpoint(slice.eta[0], slice.eta[1]);
+        let precession_period_s = f64::midpoint(slice.precession_s[0], slice.precession_s[1]);
+        let middle =
+            Motion { precession_period_s, spin_period_s: precession_period_s / eta, ..motion };
+        let pairs = self.pairs_standing(&middle, limit, |k, j| {
+            let [low, high] = standing(survey, &slice, [k, j]);
+            let at = middle.standing(k, j);
+            (high - at).abs().max((low - at).abs())
+        });
+        let mut bands = Vec::with_capacity(pairs.len());
+        for pair in pairs {
+            let frequencies = [self.pairs[pair].k, self.pairs[pair].j];
+            let range = standing(survey, &slice, frequencies);
+            let power = self.supremum(survey, pair, range);
+            if power > 0.0 {
+                bands.push(Band { pair, frequencies, range, power });
+            }
+        }
+        // One conjugate of each pair is listed; both count.
+        let mut variance = survey.smooth;
+        for (i, a) in bands.iter().enumerate() {
+            variance += 2.0 * a.power + 4.0 * self.overlap_with_smooth(survey, a);
+            variance += 2.0 * self.overlap(survey, &slice, a, (a, -1));
+            for b in bands.iter().skip(i + 1) {
+                for sign in [1, -1] {
+                    variance += 4.0 * self.overlap(survey, &slice, a, (b, sign));
+                }
+            }
+        }
+        let worst = bands.iter().copied().max_by(|a, b| a.power.total_cmp(&b.power));
+        Bounded { slice, variance, worst }
+    }
+
+    /// Bound of the product of a pair with another, or (sign -1) with another's conjugate.
+    fn overlap(&mut self, survey: &Survey, slice: &Slice, a: &Band, (b, sign): (&Band, i32)) -> f64 {
+        let crude = (a.power * b.power).sqrt();
+        if crude < NEGLIGIBLE_OVERLAP {
+            return crude;
+        }
+        let other = if sign < 0 { [-b.range[1], -b.range[0]] } else { b.range };
+        let room = survey.room;
+        let widened = [a.range, other].map(|range| survey.widened(range));
+        let low = widened[0][0].max(widened[1][0]);
+        let high = widened[0][1].min(widened[1][1]);
+        if low > high {
+            return 0.0;
+        }
+        let frequencies =
+            [0, 1].map(|i| a.frequencies[i] - sign * b.frequencies[i]);
+        let [least, most] = standing(survey, slice, frequencies);
+        let apart = least.max(-most).max(0.0);
+        let share = if survey.spread == OrbitSpread::CIRCULAR {
+            if apart > 2.0 * room {
+                return 0.0;
+            }
+            overlap_share(&survey.overlaps, apart)
+        } else {
+            1.0
+        };
+        if crude * share < FINE_OVERLAP {
+            return crude * share;
+        }
+        let mut largest = 0.0_f64;
+        let l_max = f64::from(self.l_max());
+        let mut m = low.max(-l_max).ceil();
+        while m <= high.min(l_max) {
+            #[expect(clippy::cast_possible_truncation, reason = "to l_max")]
+            let [even, odd] = self.products(m.abs() as i32, a.pair, b.pair);
+            largest = largest.max((even + f64::from(sign) * odd).abs());
+            if survey.coefficients * largest >= crude {
+                break;
+            }
+            m += 1.0;
+        }
+        share * crude.min(survey.coefficients * largest)
+    }
+
+    /// Largest power of one conjugate where its `m*` lies in a range.
+    fn supremum(&mut self, survey: &Survey, pair: usize, range: [f64; 2]) -> f64 {
+        let Survey { spread, orbits, reach, coefficients, room, .. } = *survey;
+        let l_max = f64::from(self.l_max());
+        let [low, high] = survey.widened(range);
+        let mut largest = 0.0_f64;
+        let mut m = low.max(-l_max).ceil();
+        while m <= high.min(l_max) {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "to l_max")]
+            let at = m.abs() as usize;
+            largest = largest.max(self.pairs[pair].power(at));
+            m += 1.0;
+        }
+        let crude = coefficients * largest;
+        if spread != OrbitSpread::CIRCULAR || crude < 1e-9 {
+            return crude;
+        }
+        let per_m = POINTS * orbits.abs().ceil().max(1.0);
+        let mut fine = 0.0_f64;
+        let mut point = (range[0].max(-l_max - room) * per_m).floor();
+        let last = (range[1].min(l_max + room) * per_m).ceil();
+        while point <= last {
+            let m_star = point / per_m;
+            // Half-way between whole numbers the terms change: both sets.
+            for whole in [(m_star - 0.5).ceil(), (m_star + 0.5).floor()] {
+                fine = fine.max(self.power_at(pair, [orbits, reach], m_star, whole));
+            }
+            point += 1.0;
+        }
+        let bend = CURVATURE * orbits * orbits * coefficients * largest / (8.0 * per_m * per_m);
+        crude.min(fine + bend)
+    }
+
+    /// Bound of a pair's product with the smooth term, one conjugate.
+    fn overlap_with_smooth(&mut self, survey: &Survey, band: &Band) -> f64 {
+        let [low, high] = survey.widened(band.range);
+        let l_max = f64::from(self.l_max());
+        let mut m = low.max(-l_max).ceil();
+        let mut sum = 0.0;
+        while m <= high.min(l_max) {
+            let share = sinc(PI * m * survey.orbits).abs();
+            if share > 1e-12 {
+                #[expect(clippy::cast_possible_truncation, reason = "to l_max")]
+                let [even, odd] = self.products(m.abs() as i32, SMOOTH, band.pair);
+                sum += share * (even + odd).abs().max((even - odd).abs());
+            }
+            m += 1.0;
+        }
+        sum * survey.coefficients.sqrt()
+    }
+
+    fn describe(&mut self, survey: &Survey, tolerance: Tolerance, band: Band) -> Worst {
+        let motion = &survey.motion;
+        let [k, j] = band.frequencies;
+        let multiple = gcd(k, j).max(1);
+        let l_max = self.l_max();
+        let m = (0..=l_max)
+            .map(|m| (m, self.pair_power(band.pair, m)))
+            .fold((0, -1.0), |best, it| if it.1 > best.1 { it } else { best })
+            .0;
+        // k / T_a + j / T_b = -m / T_o
+        let peak = |m: f64| {
+            f64::from(k) / (-m / motion.orbit_period_s - f64::from(j) / motion.spin_period_s)
+        };
+        let nominal = motion.precession_period_s;
+        let (above, below) = (peak(f64::from(m)), peak(f64::from(-m)));
+        let nearer_above = (above - nominal).abs() <= (below - nominal).abs();
+        let at = if nearer_above { above } else { below };
+        let commensurable = peak(0.0);
+        let width = tolerance.precession_s
+            + tolerance.spin_s * (nominal / motion.spin_period_s).abs();
+        let m_star = motion.standing(k, j).abs();
+        Worst {
+            p: k / multiple,
+            q: (j / multiple).abs(),
+            multiple,
+            m,
+            precession_period_s: at,
+            sideband: if at.abs() >= commensurable.abs() { 1 } else { -1 },
+            power_bound: 2.0 * band.power,
+            wavelength_rad: TAU / m_star,
+            beat_s: motion.orbit_period_s.abs() / m_star,
+            northern_share: self.northern_share(band.pair, !nearer_above, m),
+            distance_in_tolerances: (at - nominal).abs() / width,
+        }
+    }
+}
+
+/// Least and largest `m*` of a pair in a slice.
+fn standing(survey: &Survey, slice: &Slice, [k, j]: [i32; 2]) -> [f64; 2] {
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+    for eta in slice.eta {
+        for precession_s in slice.precession_s {
+            let turns = f64::from(j).mul_add(eta, f64::from(k));
+            let m = -survey.motion.orbit_period_s / precession_s * turns;
+            range = [range[0].min(m), range[1].max(m)];
+        }
+    }
+    // Room for rounding.
+    let slack = 1e-9 * (1.0 + range[0].abs().max(range[1].abs()));
+    [range[0] - slack, range[1] + slack]
+}
+
+fn checked_box(
+    motion: &Motion,
+    tolerance: Tolerance,
+    spread: OrbitSpread,
+) -> Result<Slice, CertificateError> {
+    let (a, b) = (motion.precession_period_s, motion.spin_period_s);
+    if b.abs() >= a.abs() {
+        return Err(CertificateError::Order { precession_period_s: a, spin_period_s: b });
+    }
+    for (name, tolerance_s, period_s) in [
+        ("the precession period", tolerance.precession_s, a.abs()),
+        ("the spin period", tolerance.spin_s, b.abs()),
+    ] {
+        if !(0.0..period_s).contains(&tolerance_s) {
+            return Err(CertificateError::Tolerance { name, tolerance_s, period_s });
+        }
+    }
+    if !(0.0..0.5).contains(&spread.rate) || !(0.0..1.0).contains(&spread.latitude_rad) {
+        return Err(CertificateError::Spread(spread.rate.max(spread.latitude_rad)));
+    }
+    let precession_s = [a - tolerance.precession_s, a + tolerance.precession_s];
+    let spin_s = [b - tolerance.spin_s, b + tolerance.spin_s];
+    let mut eta = [f64::INFINITY, f64::NEG_INFINITY];
+    for a in precession_s {
+        for b in spin_s {
+            eta = [eta[0].min(a / b), eta[1].max(a / b)];
+        }
+    }
+    Ok(Slice { eta, precession_s })
+}
+
+/// A point of the box with a given eta.
+fn at_eta(motion: &Motion, tolerance: Tolerance, eta: f64) -> Motion {
+    let (a, b) = (motion.precession_period_s, motion.spin_period_s);
+    // Both periods move in proportion to their tolerances: (a + x da) = eta (b - x db).
+    let x = (eta * b - a) / (tolerance.precession_s + eta * tolerance.spin_s);
+    let x = x.clamp(-1.0, 1.0);
+    Motion {
+        precession_period_s: a + x * tolerance.precession_s,
+        spin_period_s: b - x * tolerance.spin_s,
+        ..*motion
+    }
+}
+
+fn gcd(a: i32, b: i32) -> i32 {
+    let (mut a, mut b) = (a.abs(), b.abs());
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::healpix::Nside;
+    use crate::resonance::Window;
+
+    fn litebird() -> Predictor {
+        let window = Window::pixel(Nside::new(128).unwrap()).unwrap();
+        Predictor::new(45_f64.to_radians(), 50_f64.to_radians(), window)
+    }
+
+    #[test]
+    #[ignore = "prints"]
+    fn look() {
+        for (minutes, da, db) in [(192.348, 0.6, 0.06), (192.348, 1.5, 0.16), (192.08, 0.6, 0.06), (192.0, 0.6, 0.06), (192.335, 0.6, 0.06), (192.348,0.0,0.0)] {
+            let mut predictor = litebird();
+            let motion = Motion::year(minutes * 60.0, 1200.0);
+            let clock = std::time::Instant::now();
+            let floor = predictor.floor(&motion);
+            let t1 = clock.elapsed();
+            let tolerance = Tolerance { precession_s: da, spin_s: db };
+            let clock = std::time::Instant::now();
+            let it = predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [floor, 0.01]);
+            println!("{t1:?} {:?} {it:#?}", clock.elapsed());
+            let mut predictor = litebird();
+            let clock = std::time::Instant::now();
+            let it = predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [floor, 0.01]).unwrap();
+            println!("fresh {:?}", clock.elapsed());
+            let it = predictor.certify(&motion, tolerance, OrbitSpread::ELLIPTIC, [floor, 0.01]).unwrap();
+            println!("elliptic {} {}", it.sigma_bound, it.excess);
+        }
+    }
+}

@@ -20,7 +20,8 @@ pub mod power;
 pub mod hemisphere;
 pub mod certificate;
 
-
+pub use certificate::{Certificate, CertificateError, OrbitSpread, Tolerance, Worst};
+pub use hemisphere::Hemispheres;
 pub use motion::{Motion, MotionError};
 pub use power::{Predictor, Prediction, Resonance};
 pub use window::{Window, WindowError};

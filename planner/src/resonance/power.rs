@@ -22,8 +22,10 @@ use super::window::Window;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// A term of the variance that is left out.
-pub const NEGLIGIBLE: f64 = 1e-9;
+/// A product of two terms in the variance that is left out.
+pub const NEGLIGIBLE: f64 = 1e-7;
+/// A pair that is left out, by its largest possible power.
+pub(super) const NEGLIGIBLE_PAIR: f64 = 1e-13;
 /// Reach in m for one orbit or more.
 const REACH: f64 = 3.0;
 
@@ -118,8 +120,14 @@ pub struct Predictor {
     pub(super) pairs: Vec<Pair>,
     /// Index of each pair, or that it is negligible; k not negative.
     index: BTreeMap<(i32, i32), Option<usize>>,
-    products: BTreeMap<(i32, usize, bool, usize, bool), f64>,
+    /// Products of two pairs by m, over even and odd l.
+    products: BTreeMap<(i32, usize, usize), [f64; 2]>,
+    /// Amplitudes by m and pair.
+    rows: BTreeMap<(i32, usize), Vec<f64>>,
 }
+
+/// Rows that are kept.
+const MOST_ROWS: usize = 4096;
 
 /// Index of the smooth pair.
 pub(super) const SMOOTH: usize = 0;
@@ -136,6 +144,7 @@ impl Predictor {
             pairs: Vec::new(),
             index: BTreeMap::new(),
             products: BTreeMap::new(),
+            rows: BTreeMap::new(),
         };
         let smooth = predictor.make_pair(0, 0);
         predictor.pairs.push(smooth);
@@ -188,7 +197,7 @@ impl Predictor {
             return known;
         }
         let pair = self.make_pair(k, j);
-        let at = (pair.ceiling >= NEGLIGIBLE).then_some(self.pairs.len());
+        let at = (pair.ceiling >= NEGLIGIBLE_PAIR).then_some(self.pairs.len());
         if at.is_some() {
             self.pairs.push(pair);
         }
@@ -305,20 +314,63 @@ impl Predictor {
         Prediction { variance: smooth_variance + resonant + interference, smooth_variance, resonances }
     }
 
+    /// What the conjugates of a pair would add each at `m*` with terms about `whole`.
+    pub(super) fn power_at(&mut self, pair: usize, motion: [f64; 2], m_star: f64, whole: f64) -> f64 {
+        let [orbits, reach] = motion;
+        let (mut kept, mut sum) = (0.0, 0.0);
+        let reach = reach.ceil();
+        let mut m = whole - reach;
+        while m <= whole + reach {
+            let weight = sinc(PI * (m - m_star) * orbits).powi(2);
+            kept += weight;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole, small")]
+            let at = m.abs() as usize;
+            sum += weight * self.pairs[pair].power(at);
+            m += 1.0;
+        }
+        if kept < 1e-6 { sum } else { sum * all_of_sinc(m_star, orbits) / kept }
+    }
+
     pub(super) fn pair_power(&mut self, pair: usize, m: i32) -> f64 {
         self.pairs[pair].power(m.unsigned_abs() as usize)
     }
 
     /// `sum_l` of the product of two terms' real amplitudes at the same m.
-    pub(super) fn product(&mut self, a: &Term, b: &Term) -> f64 {
-        let key = (a.m, a.pair, a.conjugate, b.pair, b.conjugate);
+    fn product(&mut self, a: &Term, b: &Term) -> f64 {
+        let [even, odd] = self.products(a.m, a.pair, b.pair);
+        let flips = [a, b]
+            .iter()
+            .filter(|it| it.conjugate && (it.m + self.pairs[it.pair].k) % 2 != 0)
+            .count();
+        let product = if a.conjugate == b.conjugate { even + odd } else { even - odd };
+        if flips % 2 == 0 { product } else { -product }
+    }
+
+    /// `sum_l` of the product of two pairs' amplitudes at m, over even and over odd l.
+    pub(super) fn products(&mut self, m: i32, a: usize, b: usize) -> [f64; 2] {
+        let key = (m, a.min(b), a.max(b));
         if let Some(&known) = self.products.get(&key) {
             return known;
         }
-        let (a, b) = (self.amplitudes(a), self.amplitudes(b));
-        let product = a.iter().zip(&b).map(|(a, b)| a * b).sum();
-        self.products.insert(key, product);
-        product
+        if self.rows.len() > MOST_ROWS {
+            self.rows.clear();
+        }
+        for pair in [a, b] {
+            if !self.rows.contains_key(&(m, pair)) {
+                let term = Term { m, pair, conjugate: false, factor: [1.0, 0.0] };
+                let row = self.amplitudes(&term);
+                self.rows.insert((m, pair), row);
+            }
+        }
+        let row = |pair| self.rows.get(&(m, pair)).map_or(&[][..], Vec::as_slice);
+        let mut parts = [0.0; 2];
+        for (a, b) in row(a).chunks(2).zip(row(b).chunks(2)) {
+            for (part, (a, b)) in parts.iter_mut().zip(a.iter().zip(b)) {
+                *part += a * b;
+            }
+        }
+        self.products.insert(key, parts);
+        parts
     }
 
     /// `sqrt(2l + 1) w_l d_mk(90 deg) d_kj(alpha) d_j0(beta)` of a term.
