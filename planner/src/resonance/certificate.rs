@@ -30,10 +30,16 @@ use thiserror::Error;
 
 /// Slices of eta that are bounded at most.
 pub const MOST_SLICES: usize = 48;
+/// Slices of a box to begin with.
+const FIRST_SLICES: u32 = 10;
+/// Whole m in which two pairs meet that are looked at one by one, on a circle.
+const MOST_MEETINGS: f64 = 24.0;
 /// Products of two pairs below it are bounded without a look at where they meet.
 const NEGLIGIBLE_OVERLAP: f64 = 1e-9;
 /// Products of two pairs below it are bounded by Cauchy and Schwarz.
 const FINE_OVERLAP: f64 = 1e-6;
+/// Powers below it are bounded by their largest P(m) alone.
+const FINE_POWER: f64 = 1e-5;
 /// Points between whole m*, for one orbit.
 const POINTS: f64 = 16.0;
 /// Bound of the sum of `|w''|` over the terms' weights, for one orbit.
@@ -162,6 +168,16 @@ struct Slice {
     precession_s: [f64; 2],
 }
 
+impl Slice {
+    /// [`FIRST_SLICES`] equal parts, or itself where it is a point.
+    fn parts(self) -> impl Iterator<Item = Self> {
+        let [low, high] = self.eta;
+        let count = if low < high { FIRST_SLICES } else { 1 };
+        let edge = move |i: u32| low + (high - low) * f64::from(i) / f64::from(count);
+        (0..count).map(move |i| Self { eta: [edge(i), edge(i + 1).max(edge(i))], ..self })
+    }
+}
+
 /// A pair's share of a slice's bound, one conjugate.
 #[derive(Debug, Clone, Copy)]
 struct Band {
@@ -177,6 +193,9 @@ struct Band {
 struct Bounded {
     slice: Slice,
     variance: f64,
+    /// The variance at a point of its middle.
+    middle: f64,
+    /// The strongest pair.
     worst: Option<Band>,
 }
 
@@ -195,6 +214,12 @@ struct Survey {
     /// Bounds of the sum of products of two pairs' coefficients relative to the geometric mean of
     /// their sums of squares, by the distance of their `m*` in cells of [`CELL`].
     overlaps: Vec<f64>,
+    /// Most whole m in which two pairs meet that are looked at one by one.
+    meetings: f64,
+    /// Points between whole m*.
+    points: f64,
+    /// Shares of the terms about a whole m where `m*` is beyond it by an offset.
+    weights: Vec<(f64, Vec<f64>)>,
 }
 
 impl Survey {
@@ -205,6 +230,29 @@ impl Survey {
         let most = (high / (1.0 - rate)).max(high / (1.0 + rate));
         [least - self.room, most + self.room]
     }
+}
+
+/// For offsets of `m*` from -1/2 to 1/2, the squares of the terms' coefficients.
+fn weights(orbits: f64, reach: f64, points: f64) -> Vec<(f64, Vec<f64>)> {
+    let mut sets = Vec::new();
+    let mut point = 0.0;
+    while point <= points {
+        let offset = point / points - 0.5;
+        let mut squares = Vec::new();
+        let mut m = -reach.ceil();
+        while m <= reach.ceil() {
+            squares.push(sinc(PI * (m - offset) * orbits).powi(2));
+            m += 1.0;
+        }
+        let kept: f64 = squares.iter().sum();
+        if kept >= 1e-6 {
+            let scale = all_of_sinc(offset, orbits) / kept;
+            squares.iter_mut().for_each(|square| *square *= scale);
+        }
+        sets.push((offset, squares));
+        point += 1.0;
+    }
+    sets
 }
 
 /// Width of a cell of distances of `m*`.
@@ -292,6 +340,7 @@ impl Predictor {
         let motion = motion.checked()?;
         let whole = checked_box(&motion, tolerance, spread)?;
         let nominal = self.predict(&motion);
+        let points = POINTS * motion.orbits().abs().ceil().max(1.0);
         let survey = Survey {
             motion,
             spread,
@@ -301,31 +350,38 @@ impl Predictor {
             coefficients: all_of_sinc(0.0, motion.orbits()) / (1.0 - spread.rate),
             room: Self::reach(&motion).ceil() + 0.5 + spread.latitude_rad * f64::from(self.l_max()),
             overlaps: overlaps(motion.orbits(), Self::reach(&motion)),
+            meetings: if spread == OrbitSpread::CIRCULAR { MOST_MEETINGS } else { f64::INFINITY },
+            points,
+            weights: weights(motion.orbits(), Self::reach(&motion), points),
         };
         let limit = (floor * (1.0 + allowed)).powi(2);
-        let mut slices = vec![self.bound(&survey, whole)];
+        let mut slices = Vec::new();
         let mut refuted = nominal.variance > limit;
+        for slice in whole.parts() {
+            slices.push(self.bound(&survey, tolerance, slice));
+        }
         while slices.len() < MOST_SLICES {
             slices.sort_by(|a, b| a.variance.total_cmp(&b.variance));
             let Some(top) = slices.last().copied() else { break };
-            if top.variance <= limit || refuted {
-                break;
-            }
             let [low, high] = top.slice.eta;
             let middle = f64::midpoint(low, high);
-            if !(low < middle && middle < high) {
+            refuted |= slices.iter().any(|it| it.middle > limit);
+            if top.variance <= limit || refuted || !(low < middle && middle < high) {
                 break;
             }
             slices.pop();
             for eta in [[low, middle], [middle, high]] {
-                slices.push(self.bound(&survey, Slice { eta, ..top.slice }));
+                slices.push(self.bound(&survey, tolerance, Slice { eta, ..top.slice }));
             }
-            refuted |= self.predict(&at_eta(&motion, tolerance, middle)).variance > limit;
         }
-        let top = slices.iter().max_by(|a, b| a.variance.total_cmp(&b.variance));
-        let bound = top.map_or(f64::NAN, |it| it.variance).max(0.0).sqrt();
+        let bound = slices.iter().fold(0.0_f64, |most, it| most.max(it.variance)).sqrt();
         let excess = bound / floor - 1.0;
-        let worst = top.and_then(|it| it.worst).map(|band| self.describe(&survey, tolerance, band));
+        // The strongest where the middle of a slice has the largest variance.
+        let worst = slices
+            .iter()
+            .filter_map(|it| Some((it, it.worst?)))
+            .max_by(|(a, _), (b, _)| a.middle.total_cmp(&b.middle))
+            .map(|(_, band)| self.describe(&survey, tolerance, band));
         Ok(Certificate {
             passes: excess <= allowed,
             refuted,
@@ -339,7 +395,7 @@ impl Predictor {
         })
     }
 
-    fn bound(&mut self, survey: &Survey, slice: Slice) -> Bounded {
+    fn bound(&mut self, survey: &Survey, tolerance: Tolerance, slice: Slice) -> Bounded {
         let Survey { motion, spread, room, .. } = *survey;
         let limit = (f64::from(self.l_max()) + room) * (1.0 + spread.rate);
         let eta = f64::midpoint(slice.eta[0], slice.eta[1]);
@@ -372,7 +428,8 @@ impl Predictor {
             }
         }
         let worst = bands.iter().copied().max_by(|a, b| a.power.total_cmp(&b.power));
-        Bounded { slice, variance, worst }
+        let middle = self.predict(&at_eta(&motion, tolerance, eta)).variance;
+        Bounded { slice, variance, middle, worst }
     }
 
     /// Bound of the product of a pair with another, or (sign -1) with another's conjugate.
@@ -401,7 +458,7 @@ impl Predictor {
         } else {
             1.0
         };
-        if crude * share < FINE_OVERLAP {
+        if crude * share < FINE_OVERLAP || high - low > survey.meetings {
             return crude * share;
         }
         let mut largest = 0.0_f64;
@@ -433,22 +490,37 @@ impl Predictor {
             m += 1.0;
         }
         let crude = coefficients * largest;
-        if spread != OrbitSpread::CIRCULAR || crude < 1e-9 {
+        if spread != OrbitSpread::CIRCULAR || crude < FINE_POWER {
             return crude;
         }
-        let per_m = POINTS * orbits.abs().ceil().max(1.0);
         let mut fine = 0.0_f64;
-        let mut point = (range[0].max(-l_max - room) * per_m).floor();
-        let last = (range[1].min(l_max + room) * per_m).ceil();
-        while point <= last {
-            let m_star = point / per_m;
-            // Half-way between whole numbers the terms change: both sets.
-            for whole in [(m_star - 0.5).ceil(), (m_star + 0.5).floor()] {
-                fine = fine.max(self.power_at(pair, [orbits, reach], m_star, whole));
+        let half_step = 0.5 / survey.points;
+        let last = range[1].min(l_max + room).round();
+        let mut whole = range[0].max(-l_max - room).round();
+        while whole <= last {
+            for (offset, weights) in &survey.weights {
+                let m_star = whole + offset;
+                if m_star < range[0] - half_step || m_star > range[1] + half_step {
+                    continue;
+                }
+                let mut sum = 0.0;
+                let mut m = whole - reach.ceil();
+                for weight in weights {
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "near l_max at most"
+                    )]
+                    let at = m.abs() as usize;
+                    sum += weight * self.pairs[pair].power(at);
+                    m += 1.0;
+                }
+                fine = fine.max(sum);
             }
-            point += 1.0;
+            whole += 1.0;
         }
-        let bend = CURVATURE * orbits * orbits * coefficients * largest / (8.0 * per_m * per_m);
+        let bend = CURVATURE * orbits * orbits * coefficients * largest
+            / (8.0 * survey.points * survey.points);
         crude.min(fine + bend)
     }
 
@@ -600,7 +672,7 @@ mod tests {
             println!("{t1:?} {:?} {it:#?}", clock.elapsed());
             let mut predictor = litebird();
             let clock = std::time::Instant::now();
-            let it = predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [floor, 0.01]).unwrap();
+            predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [floor, 0.01]).unwrap();
             println!("fresh {:?}", clock.elapsed());
             let it = predictor.certify(&motion, tolerance, OrbitSpread::ELLIPTIC, [floor, 0.01]).unwrap();
             println!("elliptic {} {}", it.sigma_bound, it.excess);

@@ -314,23 +314,6 @@ impl Predictor {
         Prediction { variance: smooth_variance + resonant + interference, smooth_variance, resonances }
     }
 
-    /// What the conjugates of a pair would add each at `m*` with terms about `whole`.
-    pub(super) fn power_at(&mut self, pair: usize, motion: [f64; 2], m_star: f64, whole: f64) -> f64 {
-        let [orbits, reach] = motion;
-        let (mut kept, mut sum) = (0.0, 0.0);
-        let reach = reach.ceil();
-        let mut m = whole - reach;
-        while m <= whole + reach {
-            let weight = sinc(PI * (m - m_star) * orbits).powi(2);
-            kept += weight;
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole, small")]
-            let at = m.abs() as usize;
-            sum += weight * self.pairs[pair].power(at);
-            m += 1.0;
-        }
-        if kept < 1e-6 { sum } else { sum * all_of_sinc(m_star, orbits) / kept }
-    }
-
     pub(super) fn pair_power(&mut self, pair: usize, m: i32) -> f64 {
         self.pairs[pair].power(m.unsigned_abs() as usize)
     }
@@ -461,8 +444,8 @@ mod tests {
             .map(|i| predictor.predict(&Motion::year((192.0 + 0.0025 * f64::from(i)) * 60.0, 1200.0)))
             .collect();
         println!("scan {:?} pairs {} products {}", clock.elapsed(), predictor.pairs.len(), predictor.products.len());
-        for (i, it) in scan.iter().enumerate().filter(|(i, it)| i % 20 == 0 || it.sigma() > 0.262) {
-            println!("{:.4} {} {:?}", 192.0 + 0.0025 * i as f64, it.sigma(), it.resonances.first());
+        for (i, it) in scan.iter().enumerate().filter(|(i, it)| (116..165).contains(i) || it.sigma() > 0.279) {
+            println!("{:.4} {} {:?}", 192.0 + 0.0025 * i as f64, it.sigma(), &it.resonances[..2]);
         }
     }
 }
