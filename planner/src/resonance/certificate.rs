@@ -6,7 +6,7 @@
 //! Method: all that varies in the box is `m* = -(k N_a + j N_b) / N_o` of each pair, and that is
 //! `-(T_o / T_a)(k + j eta)` with `eta = T_a / T_b`: the box is cut into slices of eta. In a slice
 //!
-//! 1. every pair whose band |m*| <= l_max meets it is enumerated, for each j the whole numbers k
+//! 1. every pair whose band `|m*| <= l_max` meets it is enumerated, for each j the whole numbers k
 //!    of one interval: the fractions `k / -j` of the Stern-Brocot tree in the band, and their
 //!    multiples;
 //! 2. the power of a pair is a smooth function of its `m*`; its supremum is that at points a
@@ -98,14 +98,16 @@ pub enum CertificateError {
         period_s: f64,
     },
     /// The spin is not faster than the precession.
-    #[error("the spin period {spin_period_s} s must be shorter than the precession period {precession_period_s} s")]
+    #[error(
+        "the spin period {spin_period_s} s must be shorter than the precession period {precession_period_s} s"
+    )]
     Order {
         /// Precession period in seconds.
         precession_period_s: f64,
         /// Spin period in seconds.
         spin_period_s: f64,
     },
-    /// A rate that varies by more than itself, or a latitude beyond a right angle.
+    /// A rate that varies too much, or a latitude beyond a right angle.
     #[error("an orbit whose rate varies by {0} of itself cannot be bounded; below 0.5 is needed")]
     Spread(f64),
 }
@@ -136,9 +138,9 @@ pub struct Certificate {
 /// A resonance, as reports name it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Worst {
-    /// Spins in q precessions, of a reduced fraction.
+    /// Of the reduced fraction `p / q` near `T_alpha / T_beta`: the multiple of the precession's rate.
     pub p: i32,
-    /// Precessions... the fraction's denominator.
+    /// The multiple of the spin's rate.
     pub q: i32,
     /// Which multiple of the fraction.
     pub multiple: i32,
@@ -247,7 +249,9 @@ fn weights(orbits: f64, reach: f64, points: f64) -> Vec<(f64, Vec<f64>)> {
         let kept: f64 = squares.iter().sum();
         if kept >= 1e-6 {
             let scale = all_of_sinc(offset, orbits) / kept;
-            squares.iter_mut().for_each(|square| *square *= scale);
+            for square in &mut squares {
+                *square *= scale;
+            }
         }
         sets.push((offset, squares));
         point += 1.0;
@@ -258,11 +262,10 @@ fn weights(orbits: f64, reach: f64, points: f64) -> Vec<(f64, Vec<f64>)> {
 /// Width of a cell of distances of `m*`.
 const CELL: f64 = 0.125;
 
-/// The overlap that two pairs can have at a distance of `m*` or more.
-fn overlap_share(overlaps: &[f64], apart: f64) -> f64 {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small, positive")]
-    let cell = (apart / CELL) as usize;
-    overlaps.get(cell).copied().unwrap_or(0.0)
+/// The cell of a distance, not negative.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small, positive")]
+fn cell(apart: f64) -> usize {
+    (apart / CELL) as usize
 }
 
 /// For each cell of distances, the largest sum of products of coefficients there or beyond.
@@ -274,7 +277,7 @@ fn overlaps(orbits: f64, reach: f64) -> Vec<f64> {
     let largest = all_of_sinc(0.0, orbits);
     // How much the tail's correction raises amplitudes.
     let mut kept = f64::INFINITY;
-    let mut sums = vec![0.0_f64; 1 + (2.0 * room / CELL).ceil() as usize];
+    let mut sums = vec![0.0_f64; 1 + cell((2.0 * room).ceil())];
     let mut x = 0.0;
     while x < steps(1.0) {
         let at = x / fine - 0.5;
@@ -294,8 +297,7 @@ fn overlaps(orbits: f64, reach: f64) -> Vec<f64> {
         while apart < steps(2.0 * room) {
             let other = at + apart / fine;
             let sum: f64 = window(at).map(|m| weight(m, at) * weight(m, other)).sum();
-            let cell = (apart / fine / CELL) as usize;
-            if let Some(most) = sums.get_mut(cell) {
+            if let Some(most) = sums.get_mut(cell(apart / fine)) {
                 *most = most.max(sum);
             }
             apart += 1.0;
@@ -321,7 +323,9 @@ impl Predictor {
         (0..FLOOR_POINTS)
             .map(|i| 1.0 + FLOOR_RANGE * (f64::from(i) / half - 1.0))
             .map(|factor| motion.precession_period_s * factor)
-            .map(|precession_period_s| self.predict(&Motion { precession_period_s, ..*motion }).sigma())
+            .map(|precession_period_s| {
+                self.predict(&Motion { precession_period_s, ..*motion }).sigma()
+            })
             .fold(f64::INFINITY, f64::min)
     }
 
@@ -433,7 +437,13 @@ impl Predictor {
     }
 
     /// Bound of the product of a pair with another, or (sign -1) with another's conjugate.
-    fn overlap(&mut self, survey: &Survey, slice: &Slice, a: &Band, (b, sign): (&Band, i32)) -> f64 {
+    fn overlap(
+        &mut self,
+        survey: &Survey,
+        slice: &Slice,
+        a: &Band,
+        (b, sign): (&Band, i32),
+    ) -> f64 {
         let crude = (a.power * b.power).sqrt();
         if crude < NEGLIGIBLE_OVERLAP {
             return crude;
@@ -446,15 +456,14 @@ impl Predictor {
         if low > high {
             return 0.0;
         }
-        let frequencies =
-            [0, 1].map(|i| a.frequencies[i] - sign * b.frequencies[i]);
+        let frequencies = [0, 1].map(|i| a.frequencies[i] - sign * b.frequencies[i]);
         let [least, most] = standing(survey, slice, frequencies);
         let apart = least.max(-most).max(0.0);
         let share = if survey.spread == OrbitSpread::CIRCULAR {
             if apart > 2.0 * room {
                 return 0.0;
             }
-            overlap_share(&survey.overlaps, apart)
+            survey.overlaps.get(cell(apart)).copied().unwrap_or(0.0)
         } else {
             1.0
         };
@@ -560,8 +569,8 @@ impl Predictor {
         let nearer_above = (above - nominal).abs() <= (below - nominal).abs();
         let at = if nearer_above { above } else { below };
         let commensurable = peak(0.0);
-        let width = tolerance.precession_s
-            + tolerance.spin_s * (nominal / motion.spin_period_s).abs();
+        let width =
+            tolerance.precession_s + tolerance.spin_s * (nominal / motion.spin_period_s).abs();
         let m_star = motion.standing(k, j).abs();
         Worst {
             p: k / multiple,
@@ -657,25 +666,145 @@ mod tests {
         Predictor::new(45_f64.to_radians(), 50_f64.to_radians(), window)
     }
 
+    fn check(minutes: f64, [precession_s, spin_s]: [f64; 2]) -> Certificate {
+        let mut predictor = litebird();
+        let motion = Motion::year(minutes * 60.0, 1200.0);
+        let floor = predictor.floor(&motion);
+        let tolerance = Tolerance { precession_s, spin_s };
+        predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [floor, 0.01]).unwrap()
+    }
+
     #[test]
-    #[ignore = "prints"]
-    fn look() {
-        for (minutes, da, db) in [(192.348, 0.6, 0.06), (192.348, 1.5, 0.16), (192.08, 0.6, 0.06), (192.0, 0.6, 0.06), (192.335, 0.6, 0.06), (192.348,0.0,0.0)] {
-            let mut predictor = litebird();
-            let motion = Motion::year(minutes * 60.0, 1200.0);
-            let clock = std::time::Instant::now();
-            let floor = predictor.floor(&motion);
-            let t1 = clock.elapsed();
-            let tolerance = Tolerance { precession_s: da, spin_s: db };
-            let clock = std::time::Instant::now();
-            let it = predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [floor, 0.01]);
-            println!("{t1:?} {:?} {it:#?}", clock.elapsed());
-            let mut predictor = litebird();
-            let clock = std::time::Instant::now();
-            predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [floor, 0.01]).unwrap();
-            println!("fresh {:?}", clock.elapsed());
-            let it = predictor.certify(&motion, tolerance, OrbitSpread::ELLIPTIC, [floor, 0.01]).unwrap();
-            println!("elliptic {} {}", it.sigma_bound, it.excess);
+    fn litebird_passes_at_its_tolerance_only() {
+        let preset = check(192.348, [0.6, 0.06]);
+        assert!(preset.passes && !preset.refuted, "{preset:?}");
+        assert!(check(192.348, [0.0, 0.0]).passes);
+        for (minutes, tolerance, p, q) in [
+            (192.348, [1.5, 0.16], 125, 13),
+            (192.08, [0.6, 0.06], 48, 5),
+            (192.0, [0.6, 0.06], 48, 5),
+        ] {
+            let found = check(minutes, tolerance);
+            assert!(!found.passes && found.refuted, "{found:?}");
+            let worst = found.worst.unwrap();
+            assert_eq!((worst.p, worst.q, worst.multiple), (p, q, 1), "{found:?}");
+        }
+        let upper = check(192.08, [0.6, 0.06]).worst.unwrap();
+        assert_eq!(upper.sideband, 1);
+        assert!((upper.precession_period_s / 60.0 - 192.08).abs() < 0.01, "{upper:?}");
+        // 360 deg in M = 54.8 waves; the south is the worse half.
+        assert!((upper.wavelength_rad.to_degrees() - 6.573).abs() < 0.01, "{upper:?}");
+        assert!(upper.northern_share < 0.3, "{upper:?}");
+    }
+
+    /// A generator of numbers from 0 to 1.
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = self.0;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            f64::from(u32::try_from((z ^ (z >> 31)) >> 32).unwrap()) / f64::from(u32::MAX)
+        }
+
+        fn signed(&mut self) -> f64 {
+            2.0 * self.next() - 1.0
+        }
+    }
+
+    /// Certifies boxes of many kinds and looks for points above the bound.
+    fn points_stay_below(boxes: u32, points: u32, nside: u32) {
+        let mut numbers = Numbers(u64::from(boxes));
+        let (mut passed, mut tightest) = (0, f64::INFINITY);
+        for number in 0..boxes {
+            let window = Window::pixel(Nside::new(nside).unwrap()).unwrap();
+            let (alpha, beta) =
+                [(45.0_f64, 50.0_f64), (30.0, 60.0), (50.0, 45.0)][number as usize % 3];
+            let mut predictor = Predictor::new(alpha.to_radians(), beta.to_radians(), window);
+            let spin = if number % 4 == 3 { -1200.0 } else { 1200.0 };
+            let years = [1.0, 1.0, 3.0, 0.7][number as usize / 2 % 4];
+            let motion = Motion {
+                duration_s: years * super::super::motion::YEAR_S,
+                ..Motion::year((192.5 + 0.5 * numbers.signed()) * 60.0, spin)
+            };
+            let tolerance =
+                Tolerance { precession_s: 0.9 * numbers.next(), spin_s: 0.09 * numbers.next() };
+            // Any allowance: the bound itself is on trial.
+            let limit = [0.25, [0.0, 10.0][number as usize % 2]];
+            let found =
+                predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, limit).unwrap();
+            passed += u32::from(found.passes);
+            for _ in 0..points {
+                let point = Motion {
+                    precession_period_s: motion.precession_period_s
+                        + numbers.signed() * tolerance.precession_s,
+                    spin_period_s: spin + numbers.signed() * tolerance.spin_s,
+                    precession_phase_rad: 7.0 * numbers.next(),
+                    spin_phase_rad: 7.0 * numbers.next(),
+                    longitude_rad: 7.0 * numbers.next(),
+                    ..motion
+                };
+                let sigma = predictor.predict(&point).sigma();
+                assert!(sigma <= found.sigma_bound, "{sigma} {point:?} {found:?}");
+                tightest = tightest.min(found.sigma_bound / sigma - 1.0);
+            }
+        }
+        println!("{passed} of {boxes} pass, least distance to a bound {tightest:e}");
+        assert!(passed > 0 && tightest < 0.05);
+    }
+
+    #[test]
+    fn no_point_in_a_passing_box_exceeds_its_bound() {
+        points_stay_below(25, 40, 64);
+    }
+
+    #[test]
+    #[ignore = "10,000 points"]
+    fn none_of_10_000_points_exceeds_its_bound() {
+        points_stay_below(50, 200, 128);
+    }
+
+    /// The largest bounds are those of finer and finer boxes about a point.
+    #[test]
+    fn bounds_of_points_are_tight() {
+        for minutes in [192.0825, 192.2, 192.348, 192.5] {
+            let found = check(minutes, [0.0, 0.0]);
+            assert!(found.sigma_bound >= found.sigma_predicted, "{found:?}");
+            assert!(found.sigma_bound < 1.02 * found.sigma_predicted, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn an_uneven_orbit_widens_bands() {
+        let mut predictor = litebird();
+        let motion = Motion::year(192.348 * 60.0, 1200.0);
+        let tolerance = Tolerance { precession_s: 0.0, spin_s: 0.0 };
+        let mut bound = 0.0;
+        for spread in
+            [OrbitSpread::CIRCULAR, OrbitSpread::ELLIPTIC, OrbitSpread::about_l2(2e-3, 1e-3)]
+        {
+            let found = predictor.certify(&motion, tolerance, spread, [0.2533, 0.01]).unwrap();
+            assert!(found.sigma_bound > bound, "{found:?}");
+            bound = found.sigma_bound;
+        }
+    }
+
+    #[test]
+    fn illegal_requests_are_named() {
+        let mut predictor = litebird();
+        let mut refused = |a: f64, b: f64, precession_s: f64, spin_s: f64| {
+            let tolerance = Tolerance { precession_s, spin_s };
+            let motion = Motion::year(a, b);
+            predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [0.25, 0.01]).unwrap_err()
+        };
+        assert!(matches!(refused(1200.0, 1200.0, 0.0, 0.0), CertificateError::Order { .. }));
+        assert!(matches!(refused(0.0, 1200.0, 0.0, 0.0), CertificateError::Motion(_)));
+        for (da, db) in [(-1.0, 0.0), (0.0, -1.0), (12_000.0, 0.0), (0.0, 1200.0), (f64::NAN, 0.0)]
+        {
+            let error = refused(11_541.0, 1200.0, da, db);
+            assert!(matches!(error, CertificateError::Tolerance { .. }), "{error}");
         }
     }
 }

@@ -23,5 +23,5 @@ pub mod certificate;
 pub use certificate::{Certificate, CertificateError, OrbitSpread, Tolerance, Worst};
 pub use hemisphere::Hemispheres;
 pub use motion::{Motion, MotionError};
-pub use power::{Predictor, Prediction, Resonance};
+pub use power::{Prediction, Predictor, Resonance};
 pub use window::{Window, WindowError};

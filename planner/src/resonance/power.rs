@@ -224,7 +224,7 @@ impl Predictor {
             let bounds = [(-reach - at_zero) / slope, (reach - at_zero) / slope];
             let low = bounds[0].min(bounds[1]).ceil().max(0.0);
             let high = bounds[0].max(bounds[1]).floor().min(f64::from(l_max));
-            if !(low <= high) {
+            if low > high || (low - high).is_nan() {
                 continue;
             }
             #[expect(clippy::cast_possible_truncation, reason = "within 0 to l_max")]
@@ -311,7 +311,11 @@ impl Predictor {
             .collect();
         resonances.sort_by(|a, b| b.power.total_cmp(&a.power));
         let resonant: f64 = powers.values().sum();
-        Prediction { variance: smooth_variance + resonant + interference, smooth_variance, resonances }
+        Prediction {
+            variance: smooth_variance + resonant + interference,
+            smooth_variance,
+            resonances,
+        }
     }
 
     pub(super) fn pair_power(&mut self, pair: usize, m: i32) -> f64 {
@@ -428,24 +432,86 @@ mod tests {
         Predictor::new(45_f64.to_radians(), 50_f64.to_radians(), window)
     }
 
+    /// The paper's scan of 401 precession periods, in minutes with `sigma_hits / mean`.
+    fn scan() -> Vec<(f64, f64)> {
+        let mut predictor = litebird();
+        let clock = std::time::Instant::now();
+        let scan = (0..401)
+            .map(|i| 192.0 + 0.0025 * f64::from(i))
+            .map(|minutes| {
+                (minutes, predictor.predict(&Motion::year(minutes * 60.0, 1200.0)).sigma())
+            })
+            .collect();
+        println!("401 points in {:?}", clock.elapsed());
+        scan
+    }
+
     #[test]
-    #[ignore = "prints"]
-    fn look() {
+    fn resonances_stand_where_simulations_find_them() {
+        let scan = scan();
+        let within = |low: f64, high: f64| {
+            scan.iter()
+                .filter(|(minutes, _)| (low - 1e-9..=high + 1e-9).contains(minutes))
+                .fold((0.0, 0.0), |best, &it| if it.1 > best.1 { it } else { best })
+        };
+        let global = within(192.0, 193.0);
+        assert!((global.0 - 192.0825).abs() < 0.0026, "{global:?}");
+        for expected in [192.0825, 192.225, 192.3025, 192.39, 192.4175, 192.5825, 192.645, 192.81] {
+            let found = within(expected - 0.015, expected + 0.015);
+            assert!((found.0 - expected).abs() < 0.0076, "{expected}: {found:?}");
+        }
+        let worst_of = |window: &[(f64, f64)]| window.iter().fold(0.0_f64, |a, it| a.max(it.1));
+        let best = scan
+            .windows(21)
+            .min_by(|a, b| worst_of(a).total_cmp(&worst_of(b)))
+            .map(|it| it[0].0)
+            .unwrap();
+        assert!((192.31 - 1e-9..=192.325 + 1e-9).contains(&best), "{best}");
+    }
+
+    #[test]
+    fn commensurability_depends_on_the_start() {
         let mut predictor = litebird();
         let motion = Motion::year(192.0 * 60.0, 1200.0);
-        let clock = std::time::Instant::now();
-        let it = predictor.predict(&motion);
-        println!("{} {} {:?}", it.sigma(), it.smooth_sigma(), clock.elapsed());
-        let turned = Motion { precession_phase_rad: 0.032_724_9, ..motion };
-        println!("{}", predictor.predict(&turned).sigma());
+        for (precession_phase_rad, expected) in [(0.0, 0.2766), (0.032_724_9, 0.2541)] {
+            let sigma = predictor.predict(&Motion { precession_phase_rad, ..motion }).sigma();
+            assert!((sigma - expected).abs() < 2e-4, "{sigma} {expected}");
+        }
+    }
+
+    #[test]
+    fn halves_sum_to_the_whole() {
         let mut predictor = litebird();
-        let clock = std::time::Instant::now();
-        let scan: Vec<Prediction> = (0..401)
-            .map(|i| predictor.predict(&Motion::year((192.0 + 0.0025 * f64::from(i)) * 60.0, 1200.0)))
-            .collect();
-        println!("scan {:?} pairs {} products {}", clock.elapsed(), predictor.pairs.len(), predictor.products.len());
-        for (i, it) in scan.iter().enumerate().filter(|(i, it)| (116..165).contains(i) || it.sigma() > 0.279) {
-            println!("{:.4} {} {:?}", 192.0 + 0.0025 * i as f64, it.sigma(), &it.resonances[..2]);
+        for minutes in [192.0, 192.0825, 192.348] {
+            let motion = Motion::year(minutes * 60.0, 1200.0);
+            let variance = predictor.predict(&motion).variance;
+            let halves = predictor.hemispheres(&motion);
+            let mean = f64::midpoint(halves.north.powi(2), halves.south.powi(2));
+            assert!((mean / variance - 1.0).abs() < 2e-3, "{halves:?} {variance}");
+        }
+    }
+
+    #[test]
+    fn right_angles_and_zeros_are_legal() {
+        let window = Window::pixel(Nside::new(16).unwrap()).unwrap();
+        for (alpha, beta) in [(0.0, 90.0), (45.0, 90.0), (0.0, 50.0), (90.0, 0.0)] {
+            let mut predictor =
+                Predictor::new(f64::to_radians(alpha), f64::to_radians(beta), window.clone());
+            let found = predictor.predict(&Motion::year(11_541.0, 1200.0));
+            assert!(found.variance.is_finite() && found.variance > 0.0, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn sinc_squares_sum_as_stated() {
+        for orbits in [0.3, 1.0, 1.5, 3.0] {
+            for m_star in [0.0, 0.25, 0.5, 7.9] {
+                let sum: f64 = (-200_000..=200_000)
+                    .map(|m| sinc(PI * orbits * (f64::from(m) - m_star)).powi(2))
+                    .sum();
+                let found = all_of_sinc(m_star, orbits);
+                assert!((sum - found).abs() < 1e-5, "{orbits} {m_star}: {sum} {found}");
+            }
         }
     }
 }

@@ -130,11 +130,9 @@ pub(super) const LANES: usize = 8;
 
 /// `sum_l weights[l] d^l_mk(90 deg)^2` for [`LANES`] consecutive m from `m_first`, all at most the
 /// last l of `weights`.
-#[expect(clippy::needless_range_loop, reason = "loops over lanes, which become vectors")]
 pub(super) fn squares_at_right_angle(m_first: i32, k: i32, weights: &[f64]) -> [f64; LANES] {
-    let lane_m: [i32; LANES] = std::array::from_fn(|lane| {
-        m_first + i32::try_from(lane).unwrap_or(0)
-    });
+    let lane_m: [i32; LANES] =
+        std::array::from_fn(|lane| m_first + i32::try_from(lane).unwrap_or(0));
     let starts = lane_m.map(|m| m.max(k));
     let last_start = starts[LANES - 1];
     let first = usize::try_from(starts[0]).unwrap_or(usize::MAX);
@@ -205,18 +203,18 @@ mod tests {
 
     /// Sums over factorials in 1,200 decimal digits.
     const VALUES: [(usize, i32, i32, f64, f64); 12] = [
-        (1, 1, 0, 30.0, -3.5355339059327e-1),
-        (2, 1, -1, 45.0, 3.5355339059327e-1),
-        (10, 3, -7, 45.0, 5.0376380244149e-2),
-        (60, 48, -5, 45.0, -3.3952375087579e-4),
-        (200, 125, -13, 45.0, 4.0343060000134e-2),
-        (700, 500, -50, 45.0, 6.6517585195555e-9),
-        (700, -500, 50, 135.0, -6.0828343247373e-2),
-        (900, 40, 500, 90.0, -1.9741382566062e-4),
-        (800, 700, 3, 90.0, -2.0776200984223e-3),
-        (1000, 13, 0, 50.0, 2.3879771265726e-2),
-        (500, 0, 0, 7.5, -3.1553509907504e-2),
-        (2048, 1000, -100, 45.0, 4.5067654140525e-3),
+        (1, 1, 0, 30.0, -3.535_533_905_932_7e-1),
+        (2, 1, -1, 45.0, 3.535_533_905_932_7e-1),
+        (10, 3, -7, 45.0, 5.037_638_024_414_9e-2),
+        (60, 48, -5, 45.0, -3.395_237_508_757_9e-4),
+        (200, 125, -13, 45.0, 4.034_306_000_013_4e-2),
+        (700, 500, -50, 45.0, 6.651_758_519_555_5e-9),
+        (700, -500, 50, 135.0, -6.082_834_324_737_3e-2),
+        (900, 40, 500, 90.0, -1.974_138_256_606_2e-4),
+        (800, 700, 3, 90.0, -2.077_620_098_422_3e-3),
+        (1000, 13, 0, 50.0, 2.387_977_126_572_6e-2),
+        (500, 0, 0, 7.5, -3.155_350_990_750_4e-2),
+        (2048, 1000, -100, 45.0, 4.506_765_414_052_5e-3),
     ];
 
     #[test]
@@ -251,7 +249,8 @@ mod tests {
 
     #[test]
     fn rows_are_complete_and_symmetric() {
-        for (l, n, deg) in [(40, 3, 45.0), (300, -120, 50.0), (700, 500, 45.0), (2048, 1000, 77.0)] {
+        for (l, n, deg) in [(40, 3, 45.0), (300, -120, 50.0), (700, 500, 45.0), (2048, 1000, 77.0)]
+        {
             let size = i32::try_from(l).unwrap();
             let sum: f64 = (-size..=size).map(|m| at(l, m, n, deg).powi(2)).sum();
             assert!((sum - 1.0).abs() < 1e-10, "{l} {n}: {}", sum - 1.0);
@@ -269,10 +268,10 @@ mod tests {
     #[test]
     fn lanes_sum_the_squares_of_rows() {
         for (m_first, k, l_max) in [(0, 0, 90), (0, 48, 300), (41, 48, 300), (1200, 1100, 2048)] {
-            let weights: Vec<f64> = (0..=l_max).map(|l| 1.0 / (1.0 + l as f64)).collect();
+            let weights: Vec<f64> = (0_u32..=l_max).map(|l| 1.0 / (1.0 + f64::from(l))).collect();
             let sums = squares_at_right_angle(m_first, k, &weights);
             for (m, sum) in (m_first..).zip(sums) {
-                let row = wigner_d(m, k, std::f64::consts::FRAC_PI_2, l_max);
+                let row = wigner_d(m, k, std::f64::consts::FRAC_PI_2, l_max as usize);
                 let expected: f64 = row.iter().zip(&weights).map(|(d, w)| w * d * d).sum();
                 assert!((sum - expected).abs() < 1e-12, "{m} {k}: {sum:e} {expected:e}");
             }

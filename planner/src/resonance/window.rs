@@ -180,9 +180,8 @@ fn pixel_series() -> [f64; NODES] {
     let count = f64::from(u32::try_from(NODES).unwrap_or(0));
     let angle: [f64; NODES] =
         std::array::from_fn(|i| PI * (f64::from(u32::try_from(i).unwrap_or(0)) + 0.5) / count);
-    let values = angle.map(|a| {
-        pixel_power(&shapes, (LARGEST_SQUARE * f64::midpoint(1.0, a.cos())).sqrt())
-    });
+    let values =
+        angle.map(|a| pixel_power(&shapes, (LARGEST_SQUARE * f64::midpoint(1.0, a.cos())).sqrt()));
     let mut series = [0.0; NODES];
     let mut order = 0.0;
     for coefficient in &mut series {
@@ -244,7 +243,8 @@ mod tests {
 
     #[test]
     fn meets_pair_averages_over_true_pixels() {
-        for (nside, bound_below_4, bound) in [(1, 0.02, 0.035), (4, 1.5e-3, 5e-3), (8, 6e-4, 2e-3)] {
+        for (nside, bound_below_4, bound) in [(1, 0.02, 0.035), (4, 1.5e-3, 5e-3), (8, 6e-4, 2e-3)]
+        {
             let window = Window::pixel(Nside::new(nside).unwrap()).unwrap();
             // Centres of parts stand for the parts; the error falls with their size squared.
             let (coarse, fine) = (pair_averages(nside, 4), pair_averages(nside, 8));
