@@ -166,14 +166,13 @@ fn follows(count: u32) {
     let step = 1.0 / f64::from(count - 1);
     let found =
         compare(&pairs(Case::litebird(192.0), (0..count).map(|i| 192.0 + step * f64::from(i))));
-    println!("{count} points: correlation, slope, worst {found:?}");
     let (correlation, slope, worst) = found;
     assert!(correlation > 0.998 && (slope - 1.0).abs() < 0.02 && worst < 0.01, "{found:?}");
 }
 
 #[test]
 fn variance_follows_simulation() {
-    follows(26);
+    follows(17);
 }
 
 #[test]
@@ -202,12 +201,11 @@ fn other_strategies() {
             0.01,
         ),
     ] {
-        let pairs = pairs(case, (0..9).map(|i| from + step * f64::from(i)));
+        let pairs = pairs(case, (0..7).map(|i| from + step * f64::from(i)));
         let (correlation, slope, worst) = compare(&pairs);
-        println!("{name}: correlation {correlation}, slope {slope}, worst {worst}");
         assert!(correlation > 0.998, "{name}: {correlation} {slope} {worst}: {pairs:?}");
     }
-    let flat = Case { alpha_deg: 15.0, beta_deg: 78.0, spin: 700 * UNITS, ..base };
+    let flat = Case { alpha_deg: 15.0, beta_deg: 78.0, spin: 700 * UNITS, nside: 64, ..base };
     let pairs = pairs(flat, (0..5).map(|i| 150.03 + 0.02 * f64::from(i)));
     for (a, b) in &pairs {
         let flat = |x: f64, y: f64| (x - y).abs() < 2e-4;
@@ -222,7 +220,6 @@ fn surveys_of_other_lengths() {
             let case = Case { quarter_days, ..Case::litebird(minutes) };
             let sigma = case.predictor().predict(&case.motion()).sigma();
             let simulated = case.simulated()[0].sqrt();
-            println!("{quarter_days} {minutes}: {sigma} {simulated}");
             assert!((sigma / simulated - 1.0).abs() < bound, "{quarter_days}: {sigma} {simulated}");
         }
     }

@@ -4,7 +4,7 @@
 //! `sqrt((2l + 1) / 4 pi)`, the theta part of `Y_lm` with the Condon-Shortley phase, and
 //! `D^l_mn(a, b, c) = exp(-i m a) d^l_mn(b) exp(-i n c)`.
 //!
-//! Method: the three-term recurrence in l \[Varshalovich1988, 4.8.2\], upwards from
+//! Method: the three-term recurrence in l \[Varshalovich1988, chapter 4\], upwards from
 //! `l_0 = max(|m|, |n|)`. With `S_l = sqrt((l^2 - m^2)(l^2 - n^2)) / l`,
 //!
 //! `S_(l+1) d^(l+1) = (2l + 1) [cos beta - m n / (l (l + 1))] d^l - S_l d^(l-1)`.
