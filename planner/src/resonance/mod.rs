@@ -19,9 +19,13 @@ pub mod motion;
 pub mod power;
 pub mod hemisphere;
 pub mod certificate;
+pub mod actuator;
+pub mod recommendation;
 
+pub use actuator::Actuator;
 pub use certificate::{Certificate, CertificateError, OrbitSpread, Tolerance, Worst};
 pub use hemisphere::Hemispheres;
 pub use motion::{Motion, MotionError};
 pub use power::{Prediction, Predictor, Resonance};
+pub use recommendation::{Choice, Demand, Recommendation};
 pub use window::{Window, WindowError};
