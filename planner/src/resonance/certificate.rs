@@ -23,27 +23,14 @@
 //! Limits: rigorous for the model of [`super::power`], whose terms end 3 m from `m*` (test
 //! `no_point_in_a_passing_box_exceeds_its_bound`).
 
+use super::bound::{Band, Slice, Survey};
 use super::motion::{Motion, MotionError};
-use super::power::{Predictor, SMOOTH, all_of_sinc, sinc};
-use std::f64::consts::{PI, TAU};
+use super::power::Predictor;
+use std::f64::consts::TAU;
 use thiserror::Error;
 
 /// Slices of eta that are bounded at most.
 pub const MOST_SLICES: usize = 48;
-/// Slices of a box to begin with.
-const FIRST_SLICES: u32 = 10;
-/// Whole m in which two pairs meet that are looked at one by one, on a circle.
-const MOST_MEETINGS: f64 = 24.0;
-/// Products of two pairs below it are bounded without a look at where they meet.
-const NEGLIGIBLE_OVERLAP: f64 = 1e-9;
-/// Products of two pairs below it are bounded by Cauchy and Schwarz.
-const FINE_OVERLAP: f64 = 1e-6;
-/// Powers below it are bounded by their largest P(m) alone.
-const FINE_POWER: f64 = 1e-5;
-/// Points between whole m*, for one orbit.
-const POINTS: f64 = 16.0;
-/// Bound of the sum of `|w''|` over the terms' weights, for one orbit.
-const CURVATURE: f64 = 20.0;
 /// Points of the scan for the floor.
 const FLOOR_POINTS: u32 = 101;
 /// The floor is sought within this share of the precession period.
@@ -163,159 +150,6 @@ pub struct Worst {
     pub distance_in_tolerances: f64,
 }
 
-/// Ranges of eta and of the precession period.
-#[derive(Debug, Clone, Copy)]
-struct Slice {
-    eta: [f64; 2],
-    precession_s: [f64; 2],
-}
-
-impl Slice {
-    /// [`FIRST_SLICES`] equal parts, or itself where it is a point.
-    fn parts(self) -> impl Iterator<Item = Self> {
-        let [low, high] = self.eta;
-        let count = if low < high { FIRST_SLICES } else { 1 };
-        let edge = move |i: u32| low + (high - low) * f64::from(i) / f64::from(count);
-        (0..count).map(move |i| Self { eta: [edge(i), edge(i + 1).max(edge(i))], ..self })
-    }
-}
-
-/// A pair's share of a slice's bound, one conjugate.
-#[derive(Debug, Clone, Copy)]
-struct Band {
-    pair: usize,
-    frequencies: [i32; 2],
-    /// Of `m*`.
-    range: [f64; 2],
-    power: f64,
-}
-
-/// A slice with its bound.
-#[derive(Debug, Clone, Copy)]
-struct Bounded {
-    slice: Slice,
-    variance: f64,
-    /// The variance at a point of its middle.
-    middle: f64,
-    /// The strongest pair.
-    worst: Option<Band>,
-}
-
-/// What does not change from slice to slice.
-#[derive(Debug, Clone)]
-struct Survey {
-    motion: Motion,
-    spread: OrbitSpread,
-    orbits: f64,
-    reach: f64,
-    smooth: f64,
-    /// Largest sum of squares of one pair's coefficients.
-    coefficients: f64,
-    /// How far a pair's terms may be from its `m*`, on a circle.
-    room: f64,
-    /// Bounds of the sum of products of two pairs' coefficients relative to the geometric mean of
-    /// their sums of squares, by the distance of their `m*` in cells of [`CELL`].
-    overlaps: Vec<f64>,
-    /// Most whole m in which two pairs meet that are looked at one by one.
-    meetings: f64,
-    /// Points between whole m*.
-    points: f64,
-    /// Shares of the terms about a whole m where `m*` is beyond it by an offset.
-    weights: Vec<(f64, Vec<f64>)>,
-}
-
-impl Survey {
-    /// Where the terms of a pair can lie whose `m*` lies in a range.
-    fn widened(&self, [low, high]: [f64; 2]) -> [f64; 2] {
-        let rate = self.spread.rate;
-        let least = (low / (1.0 - rate)).min(low / (1.0 + rate));
-        let most = (high / (1.0 - rate)).max(high / (1.0 + rate));
-        [least - self.room, most + self.room]
-    }
-}
-
-/// For offsets of `m*` from -1/2 to 1/2, the squares of the terms' coefficients.
-fn weights(orbits: f64, reach: f64, points: f64) -> Vec<(f64, Vec<f64>)> {
-    let mut sets = Vec::new();
-    let mut point = 0.0;
-    while point <= points {
-        let offset = point / points - 0.5;
-        let mut squares = Vec::new();
-        let mut m = -reach.ceil();
-        while m <= reach.ceil() {
-            squares.push(sinc(PI * (m - offset) * orbits).powi(2));
-            m += 1.0;
-        }
-        let kept: f64 = squares.iter().sum();
-        if kept >= 1e-6 {
-            let scale = all_of_sinc(offset, orbits) / kept;
-            for square in &mut squares {
-                *square *= scale;
-            }
-        }
-        sets.push((offset, squares));
-        point += 1.0;
-    }
-    sets
-}
-
-/// Width of a cell of distances of `m*`.
-const CELL: f64 = 0.125;
-
-/// The cell of a distance, not negative.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small, positive")]
-fn cell(apart: f64) -> usize {
-    (apart / CELL) as usize
-}
-
-/// For each cell of distances, the largest sum of products of coefficients there or beyond.
-fn overlaps(orbits: f64, reach: f64) -> Vec<f64> {
-    let orbits = orbits.abs();
-    let fine = 32.0 * orbits.max(1.0);
-    let room = reach.ceil() + 0.5;
-    let steps = |length: f64| (length * fine).ceil();
-    let largest = all_of_sinc(0.0, orbits);
-    // How much the tail's correction raises amplitudes.
-    let mut kept = f64::INFINITY;
-    let mut sums = vec![0.0_f64; 1 + cell((2.0 * room).ceil())];
-    let mut x = 0.0;
-    while x < steps(1.0) {
-        let at = x / fine - 0.5;
-        let weight = |m: f64, y: f64| {
-            if (m - y).abs() <= room + 1.0 / fine { sinc(PI * orbits * (m - y)).abs() } else { 0.0 }
-        };
-        let window = |y: f64| {
-            let mut m = (y - room - 1.0).ceil();
-            std::iter::from_fn(move || {
-                m += 1.0;
-                (m <= y + room + 1.0).then_some(m)
-            })
-        };
-        let squares: f64 = window(at).map(|m| weight(m, at).powi(2)).sum();
-        kept = kept.min(squares);
-        let mut apart = 0.0;
-        while apart < steps(2.0 * room) {
-            let other = at + apart / fine;
-            let sum: f64 = window(at).map(|m| weight(m, at) * weight(m, other)).sum();
-            if let Some(most) = sums.get_mut(cell(apart / fine)) {
-                *most = most.max(sum);
-            }
-            apart += 1.0;
-        }
-        x += 1.0;
-    }
-    // Between points the sum changes by at most its slope, pi N_o / sqrt 3 of the norms, in each
-    // argument, half a step away in x and one in distance.
-    let margin = largest * 1.5 * PI * orbits / 3.0_f64.sqrt() / fine;
-    let raise = (largest / kept.max(1e-3)).max(1.0);
-    let mut beyond = 0.0_f64;
-    for sum in sums.iter_mut().rev() {
-        beyond = beyond.max(*sum);
-        *sum = ((beyond + margin) * raise / largest).min(1.0);
-    }
-    sums
-}
-
 impl Predictor {
     /// The smallest `sigma_hits / mean` predicted within 0.25% of the precession period.
     pub fn floor(&mut self, motion: &Motion) -> f64 {
@@ -344,20 +178,7 @@ impl Predictor {
         let motion = motion.checked()?;
         let whole = checked_box(&motion, tolerance, spread)?;
         let nominal = self.predict(&motion);
-        let points = POINTS * motion.orbits().abs().ceil().max(1.0);
-        let survey = Survey {
-            motion,
-            spread,
-            orbits: motion.orbits(),
-            reach: Self::reach(&motion),
-            smooth: nominal.smooth_variance,
-            coefficients: all_of_sinc(0.0, motion.orbits()) / (1.0 - spread.rate),
-            room: Self::reach(&motion).ceil() + 0.5 + spread.latitude_rad * f64::from(self.l_max()),
-            overlaps: overlaps(motion.orbits(), Self::reach(&motion)),
-            meetings: if spread == OrbitSpread::CIRCULAR { MOST_MEETINGS } else { f64::INFINITY },
-            points,
-            weights: weights(motion.orbits(), Self::reach(&motion), points),
-        };
+        let survey = Survey::new(motion, spread, nominal.smooth_variance, f64::from(self.l_max()));
         let limit = (floor * (1.0 + allowed)).powi(2);
         let mut slices = Vec::new();
         let mut refuted = nominal.variance > limit;
@@ -399,158 +220,6 @@ impl Predictor {
         })
     }
 
-    fn bound(&mut self, survey: &Survey, tolerance: Tolerance, slice: Slice) -> Bounded {
-        let Survey { motion, spread, room, .. } = *survey;
-        let limit = (f64::from(self.l_max()) + room) * (1.0 + spread.rate);
-        let eta = f64::midpoint(slice.eta[0], slice.eta[1]);
-        let precession_period_s = f64::midpoint(slice.precession_s[0], slice.precession_s[1]);
-        let middle =
-            Motion { precession_period_s, spin_period_s: precession_period_s / eta, ..motion };
-        let pairs = self.pairs_standing(&middle, limit, |k, j| {
-            let [low, high] = standing(survey, &slice, [k, j]);
-            let at = middle.standing(k, j);
-            (high - at).abs().max((low - at).abs())
-        });
-        let mut bands = Vec::with_capacity(pairs.len());
-        for pair in pairs {
-            let frequencies = [self.pairs[pair].k, self.pairs[pair].j];
-            let range = standing(survey, &slice, frequencies);
-            let power = self.supremum(survey, pair, range);
-            if power > 0.0 {
-                bands.push(Band { pair, frequencies, range, power });
-            }
-        }
-        // One conjugate of each pair is listed; both count.
-        let mut variance = survey.smooth;
-        for (i, a) in bands.iter().enumerate() {
-            variance += 2.0 * a.power + 4.0 * self.overlap_with_smooth(survey, a);
-            variance += 2.0 * self.overlap(survey, &slice, a, (a, -1));
-            for b in bands.iter().skip(i + 1) {
-                for sign in [1, -1] {
-                    variance += 4.0 * self.overlap(survey, &slice, a, (b, sign));
-                }
-            }
-        }
-        let worst = bands.iter().copied().max_by(|a, b| a.power.total_cmp(&b.power));
-        let middle = self.predict(&at_eta(&motion, tolerance, eta)).variance;
-        Bounded { slice, variance, middle, worst }
-    }
-
-    /// Bound of the product of a pair with another, or (sign -1) with another's conjugate.
-    fn overlap(
-        &mut self,
-        survey: &Survey,
-        slice: &Slice,
-        a: &Band,
-        (b, sign): (&Band, i32),
-    ) -> f64 {
-        let crude = (a.power * b.power).sqrt();
-        if crude < NEGLIGIBLE_OVERLAP {
-            return crude;
-        }
-        let other = if sign < 0 { [-b.range[1], -b.range[0]] } else { b.range };
-        let room = survey.room;
-        let widened = [a.range, other].map(|range| survey.widened(range));
-        let low = widened[0][0].max(widened[1][0]);
-        let high = widened[0][1].min(widened[1][1]);
-        if low > high {
-            return 0.0;
-        }
-        let frequencies = [0, 1].map(|i| a.frequencies[i] - sign * b.frequencies[i]);
-        let [least, most] = standing(survey, slice, frequencies);
-        let apart = least.max(-most).max(0.0);
-        let share = if survey.spread == OrbitSpread::CIRCULAR {
-            if apart > 2.0 * room {
-                return 0.0;
-            }
-            survey.overlaps.get(cell(apart)).copied().unwrap_or(0.0)
-        } else {
-            1.0
-        };
-        if crude * share < FINE_OVERLAP || high - low > survey.meetings {
-            return crude * share;
-        }
-        let mut largest = 0.0_f64;
-        let l_max = f64::from(self.l_max());
-        let mut m = low.max(-l_max).ceil();
-        while m <= high.min(l_max) {
-            #[expect(clippy::cast_possible_truncation, reason = "to l_max")]
-            let [even, odd] = self.products(m.abs() as i32, a.pair, b.pair);
-            largest = largest.max((even + f64::from(sign) * odd).abs());
-            if survey.coefficients * largest >= crude {
-                break;
-            }
-            m += 1.0;
-        }
-        share * crude.min(survey.coefficients * largest)
-    }
-
-    /// Largest power of one conjugate where its `m*` lies in a range.
-    fn supremum(&mut self, survey: &Survey, pair: usize, range: [f64; 2]) -> f64 {
-        let Survey { spread, orbits, reach, coefficients, room, .. } = *survey;
-        let l_max = f64::from(self.l_max());
-        let [low, high] = survey.widened(range);
-        let mut largest = 0.0_f64;
-        let mut m = low.max(-l_max).ceil();
-        while m <= high.min(l_max) {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "to l_max")]
-            let at = m.abs() as usize;
-            largest = largest.max(self.pairs[pair].power(at));
-            m += 1.0;
-        }
-        let crude = coefficients * largest;
-        if spread != OrbitSpread::CIRCULAR || crude < FINE_POWER {
-            return crude;
-        }
-        let mut fine = 0.0_f64;
-        let half_step = 0.5 / survey.points;
-        let last = range[1].min(l_max + room).round();
-        let mut whole = range[0].max(-l_max - room).round();
-        while whole <= last {
-            for (offset, weights) in &survey.weights {
-                let m_star = whole + offset;
-                if m_star < range[0] - half_step || m_star > range[1] + half_step {
-                    continue;
-                }
-                let mut sum = 0.0;
-                let mut m = whole - reach.ceil();
-                for weight in weights {
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "near l_max at most"
-                    )]
-                    let at = m.abs() as usize;
-                    sum += weight * self.pairs[pair].power(at);
-                    m += 1.0;
-                }
-                fine = fine.max(sum);
-            }
-            whole += 1.0;
-        }
-        let bend = CURVATURE * orbits * orbits * coefficients * largest
-            / (8.0 * survey.points * survey.points);
-        crude.min(fine + bend)
-    }
-
-    /// Bound of a pair's product with the smooth term, one conjugate.
-    fn overlap_with_smooth(&mut self, survey: &Survey, band: &Band) -> f64 {
-        let [low, high] = survey.widened(band.range);
-        let l_max = f64::from(self.l_max());
-        let mut m = low.max(-l_max).ceil();
-        let mut sum = 0.0;
-        while m <= high.min(l_max) {
-            let share = sinc(PI * m * survey.orbits).abs();
-            if share > 1e-12 {
-                #[expect(clippy::cast_possible_truncation, reason = "to l_max")]
-                let [even, odd] = self.products(m.abs() as i32, SMOOTH, band.pair);
-                sum += share * (even + odd).abs().max((even - odd).abs());
-            }
-            m += 1.0;
-        }
-        sum * survey.coefficients.sqrt()
-    }
-
     fn describe(&mut self, survey: &Survey, tolerance: Tolerance, band: Band) -> Worst {
         let motion = &survey.motion;
         let [k, j] = band.frequencies;
@@ -588,21 +257,6 @@ impl Predictor {
     }
 }
 
-/// Least and largest `m*` of a pair in a slice.
-fn standing(survey: &Survey, slice: &Slice, [k, j]: [i32; 2]) -> [f64; 2] {
-    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-    for eta in slice.eta {
-        for precession_s in slice.precession_s {
-            let turns = f64::from(j).mul_add(eta, f64::from(k));
-            let m = -survey.motion.orbit_period_s / precession_s * turns;
-            range = [range[0].min(m), range[1].max(m)];
-        }
-    }
-    // Room for rounding.
-    let slack = 1e-9 * (1.0 + range[0].abs().max(range[1].abs()));
-    [range[0] - slack, range[1] + slack]
-}
-
 fn checked_box(
     motion: &Motion,
     tolerance: Tolerance,
@@ -632,23 +286,6 @@ fn checked_box(
         }
     }
     Ok(Slice { eta, precession_s })
-}
-
-/// A point of the box with a given eta.
-fn at_eta(motion: &Motion, tolerance: Tolerance, eta: f64) -> Motion {
-    let (a, b) = (motion.precession_period_s, motion.spin_period_s);
-    let width = tolerance.precession_s + eta * tolerance.spin_s;
-    if width.abs() < f64::MIN_POSITIVE {
-        return *motion;
-    }
-    // Both periods move in proportion to their tolerances: (a + x da) = eta (b - x db).
-    let x = (eta * b - a) / width;
-    let x = x.clamp(-1.0, 1.0);
-    Motion {
-        precession_period_s: a + x * tolerance.precession_s,
-        spin_period_s: b - x * tolerance.spin_s,
-        ..*motion
-    }
 }
 
 fn gcd(a: i32, b: i32) -> i32 {

@@ -18,6 +18,7 @@ pub mod window;
 pub mod motion;
 pub mod power;
 pub mod hemisphere;
+mod bound;
 pub mod certificate;
 pub mod actuator;
 pub mod recommendation;
