@@ -33,6 +33,7 @@ const FINE_POWER: f64 = 1e-5;
 const POINTS: f64 = 16.0;
 /// Bound of the sum of `|w''|` over the terms' weights, for one orbit.
 const CURVATURE: f64 = 20.0;
+
 /// Ranges of eta and of the precession period.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slice {
@@ -389,5 +390,38 @@ pub(super) fn at_eta(motion: &Motion, tolerance: Tolerance, eta: f64) -> Motion 
         precession_period_s: a + x * tolerance.precession_s,
         spin_period_s: b - x * tolerance.spin_s,
         ..*motion
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_bend_less_than_stated() {
+        for orbits in [0.7, 1.0, 1.5, 3.0] {
+            let reach = 3.0 / f64::min(orbits, 1.0);
+            let points = 512.0 * f64::ceil(orbits);
+            let sets = weights(orbits, reach, points);
+            // Relative to the largest sum of squares, as the bound's term is.
+            let scale = all_of_sinc(0.0, orbits) * orbits * orbits;
+            for three in sets.windows(3) {
+                let bends = (0..three[0].1.len())
+                    .map(|i| (three[0].1[i] - 2.0 * three[1].1[i] + three[2].1[i]).abs());
+                let bend = bends.sum::<f64>() * points * points;
+                assert!(bend < CURVATURE * scale, "{orbits}: {bend} {scale}");
+            }
+        }
+    }
+
+    #[test]
+    fn overlaps_fall_with_distance() {
+        for orbits in [0.7, 1.0, 3.0] {
+            let found = overlaps(orbits, 3.0 / f64::min(orbits, 1.0));
+            assert!((found[0] - 1.0).abs() < 1e-12);
+            assert!(found.windows(2).all(|it| it[0] >= it[1]), "{found:?}");
+        }
+        let found = overlaps(1.0, 3.0);
+        assert!(found[cell(6.0)] < 0.35, "{found:?}");
     }
 }
