@@ -8,7 +8,7 @@
 //! where it is small it is the parallelogram of edges e1, e2, and its transform is
 //! `sinc(q.e1 / 2) sinc(q.e2 / 2)`, q of length `sqrt(l (l + 1))`. `w_l^2` is the mean of its square
 //! over the directions of q and over all pixels, an even, entire function of `l / nside` alone:
-//! computed at [`NODES`] Chebyshev nodes and interpolated. With `s = sin(theta)`, the edges times
+//! computed at 20 Chebyshev nodes and interpolated. With `s = sin(theta)`, the edges times
 //! nside are
 //!
 //! | region | e1, e2 (east, south) |
