@@ -11,3 +11,4 @@ pub mod visits;
 pub mod schedule;
 pub mod survey;
 pub mod mapmaking;
+pub mod resonance;

@@ -1,0 +1,514 @@
+//! The variance of the hit map, term by term.
+//!
+//! With `nu = m N_o + k N_a + j N_b` (turns during the survey) and `phi` the start phases,
+//!
+//! `A_lm = sum_kj d^l_mk(90 deg) d^l_kj(alpha) d^l_j0(beta) sinc(pi nu) exp(-i [pi nu + m phi_o + k phi_a + j phi_b])`,
+//!
+//! `(sigma_hits / mean)^2 = sum_(l >= 1) (2l + 1) w_l^2 [|A_l0|^2 + 2 sum_(m >= 1) |A_lm|^2]`.
+//!
+//! Method: only terms near `nu = 0` count, `m` within [`Predictor::reach`] of
+//! `m* = -(k N_a + j N_b) / N_o`. The power of one pair (k, j) at m,
+//! `P(m) = sum_l (2l + 1) w_l^2 [d_mk d_kj d_j0]^2`, depends on nothing but the angles: it is kept for
+//! all motions. Pairs that meet at the same m interfere; their products are summed where Cauchy and
+//! Schwarz do not already show them negligible. Amplitudes of each (k, j) are scaled by
+//! `sqrt(S / S_kept)` for what lies outside the reach, with
+//! `S = (1 / N_o) sum_r (1 - |r| / N_o)_+ cos(2 pi r m*)`. The smooth term (0, 0) is complete.
+//!
+//! Limits: terms dropped add less than [`NEGLIGIBLE`] each to the variance.
+
+use super::motion::Motion;
+use super::wigner::{LANES, MAX_L, fill_wigner_d, squares_at_right_angle, wigner_d};
+use super::window::Window;
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// A product of two terms in the variance that is left out.
+pub const NEGLIGIBLE: f64 = 1e-7;
+/// A pair that is left out, by its largest possible power.
+pub(super) const NEGLIGIBLE_PAIR: f64 = 1e-13;
+/// Reach in m for one orbit or more.
+const REACH: f64 = 3.0;
+
+/// What a survey's hits look like.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    /// `(sigma_hits / mean)^2`.
+    pub variance: f64,
+    /// The same without any (k, j) but (0, 0).
+    pub smooth_variance: f64,
+    /// The pairs that contribute, the strongest first; one of each (k, j), (-k, -j).
+    pub resonances: Vec<Resonance>,
+}
+
+impl Prediction {
+    /// `sigma_hits / mean`.
+    #[must_use]
+    pub fn sigma(&self) -> f64 {
+        self.variance.max(0.0).sqrt()
+    }
+
+    /// `sigma_hits / mean` without resonances.
+    #[must_use]
+    pub fn smooth_sigma(&self) -> f64 {
+        self.smooth_variance.max(0.0).sqrt()
+    }
+}
+
+/// A pair of frequencies that nearly stands still on the sky.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resonance {
+    /// Multiple of the precession, not negative.
+    pub k: i32,
+    /// Multiple of the spin.
+    pub j: i32,
+    /// Where it stands still.
+    pub m_star: f64,
+    /// What it and its conjugate add to the variance, interference aside.
+    pub power: f64,
+}
+
+/// A pair's degrees.
+#[derive(Debug, Clone)]
+pub(super) struct Pair {
+    pub(super) k: i32,
+    pub(super) j: i32,
+    /// `sqrt(2l + 1) w_l d_kj(alpha) d_j0(beta)` from l = 0; zero at l = 0.
+    pub(super) amplitudes: Vec<f64>,
+    squares: Vec<f64>,
+    /// Sum of squares: no P(m) exceeds it.
+    pub(super) ceiling: f64,
+    /// P(m) in blocks of [`LANES`] from m = 0; not a number where not known yet.
+    powers: Vec<f64>,
+}
+
+impl Pair {
+    /// P(m), m not negative.
+    pub(super) fn power(&mut self, m: usize) -> f64 {
+        match self.powers.get(m) {
+            None => 0.0,
+            Some(power) if power.is_nan() => {
+                let block = m - m % LANES;
+                let first = i32::try_from(block).unwrap_or(i32::MAX);
+                let sums = squares_at_right_angle(first, self.k, &self.squares);
+                for (power, sum) in self.powers.iter_mut().skip(block).zip(sums) {
+                    *power = sum;
+                }
+                self.powers.get(m).copied().unwrap_or(0.0)
+            }
+            Some(power) => *power,
+        }
+    }
+}
+
+/// A term at one m: the pair, whether its conjugate, and the factor at the survey's rates.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Term {
+    pub(super) m: i32,
+    pub(super) pair: usize,
+    pub(super) conjugate: bool,
+    pub(super) factor: [f64; 2],
+}
+
+/// Predicts surveys at given angles and window.
+#[derive(Debug, Clone)]
+pub struct Predictor {
+    alpha_rad: f64,
+    beta_rad: f64,
+    window: Window,
+    /// `d^l_j0(beta)` by j, not negative.
+    spins: BTreeMap<i32, Vec<f64>>,
+    pub(super) pairs: Vec<Pair>,
+    /// Index of each pair, or that it is negligible; k not negative.
+    index: BTreeMap<(i32, i32), Option<usize>>,
+    /// Products of two pairs by m, over even and odd l.
+    products: BTreeMap<(i32, usize, usize), [f64; 2]>,
+    /// Amplitudes by m and pair.
+    rows: BTreeMap<(i32, usize), Vec<f64>>,
+}
+
+/// Rows that are kept.
+const MOST_ROWS: usize = 4096;
+
+/// Index of the smooth pair.
+pub(super) const SMOOTH: usize = 0;
+
+impl Predictor {
+    /// No pairs known yet but the smooth one.
+    #[must_use]
+    pub fn new(alpha_rad: f64, beta_rad: f64, window: Window) -> Self {
+        let mut predictor = Self {
+            alpha_rad,
+            beta_rad,
+            window,
+            spins: BTreeMap::new(),
+            pairs: Vec::new(),
+            index: BTreeMap::new(),
+            products: BTreeMap::new(),
+            rows: BTreeMap::new(),
+        };
+        let smooth = predictor.make_pair(0, 0);
+        predictor.pairs.push(smooth);
+        predictor.index.insert((0, 0), Some(SMOOTH));
+        predictor
+    }
+
+    /// The window.
+    #[must_use]
+    pub const fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// Largest degree as a signed number.
+    pub(super) fn l_max(&self) -> i32 {
+        i32::try_from(self.window.l_max().min(MAX_L)).unwrap_or(0)
+    }
+
+    /// How far from `m*` terms are taken.
+    #[must_use]
+    pub fn reach(motion: &Motion) -> f64 {
+        REACH / motion.orbits().abs().min(1.0)
+    }
+
+    /// `sqrt(2l + 1) w_l d_kj(alpha) d_j0(beta)`, k not negative.
+    fn make_pair(&mut self, k: i32, j: i32) -> Pair {
+        let size = self.window.weights().len();
+        let beta_rad = self.beta_rad;
+        let spin = self
+            .spins
+            .entry(j.abs())
+            .or_insert_with(|| wigner_d(j.abs(), 0, beta_rad, size.saturating_sub(1)));
+        // d_(-j)0 = (-1)^j d_j0
+        let sign = if j < 0 && j % 2 != 0 { -1.0 } else { 1.0 };
+        let mut amplitudes = vec![0.0; size];
+        fill_wigner_d(k, j, self.alpha_rad, &mut amplitudes);
+        let mut l = 0.0_f64;
+        for ((value, w), spin) in amplitudes.iter_mut().zip(self.window.weights()).zip(&*spin) {
+            *value *= if l > 0.0 { sign * (2.0 * l + 1.0).sqrt() * w * spin } else { 0.0 };
+            l += 1.0;
+        }
+        let squares: Vec<f64> = amplitudes.iter().map(|a| a * a).collect();
+        let ceiling = squares.iter().sum();
+        Pair { k, j, amplitudes, squares, ceiling, powers: vec![f64::NAN; size] }
+    }
+
+    /// The pair of (k, j), k not negative; `None` where it is negligible at any m.
+    pub(super) fn pair(&mut self, k: i32, j: i32) -> Option<usize> {
+        if let Some(&known) = self.index.get(&(k, j)) {
+            return known;
+        }
+        let pair = self.make_pair(k, j);
+        let at = (pair.ceiling >= NEGLIGIBLE_PAIR).then_some(self.pairs.len());
+        if at.is_some() {
+            self.pairs.push(pair);
+        }
+        self.index.insert((k, j), at);
+        at
+    }
+
+    /// Pairs, one of each (k, j) and (-k, -j), with `|m*|` below `limit` anywhere between the least
+    /// and the largest of `standing`.
+    pub(super) fn pairs_standing(
+        &mut self,
+        motion: &Motion,
+        limit: f64,
+        spread: impl Fn(i32, i32) -> f64,
+    ) -> Vec<usize> {
+        let l_max = self.l_max();
+        let mut found = Vec::new();
+        // m* per turn of precession.
+        let slope = motion.standing(1, 0);
+        for j in -l_max..=l_max {
+            let at_zero = motion.standing(0, j);
+            // |at_zero + slope k| <= limit + spread, k >= 0
+            let reach = limit + spread(l_max, j);
+            let bounds = [(-reach - at_zero) / slope, (reach - at_zero) / slope];
+            let low = bounds[0].min(bounds[1]).ceil().max(0.0);
+            let high = bounds[0].max(bounds[1]).floor().min(f64::from(l_max));
+            if low > high || (low - high).is_nan() {
+                continue;
+            }
+            #[expect(clippy::cast_possible_truncation, reason = "within 0 to l_max")]
+            let (low, high) = (low as i32, high as i32);
+            for k in low..=high {
+                if (k == 0 && j <= 0)
+                    || motion.standing(k, j).abs() > limit + spread(k, j)
+                    || !visible(self.alpha_rad, self.beta_rad, [k, j, l_max])
+                {
+                    continue;
+                }
+                found.extend(self.pair(k, j));
+            }
+        }
+        found
+    }
+
+    /// The terms at m >= 0 of a motion.
+    pub(super) fn terms(&mut self, motion: &Motion) -> Vec<Term> {
+        let (reach, orbits) = (Self::reach(motion), motion.orbits());
+        let l_max = self.l_max();
+        let [phi_o, phi_a, phi_b] = motion.phases();
+        let mut terms = Vec::new();
+        for m in 0..=l_max {
+            let nu = f64::from(m) * orbits;
+            let factor = sinc(PI * nu);
+            if factor.abs() > 1e-12 {
+                let (sin, cos) = (-PI * nu - f64::from(m) * phi_o).sin_cos();
+                let factor = [factor * cos, factor * sin];
+                terms.push(Term { m, pair: SMOOTH, conjugate: false, factor });
+            }
+        }
+        for pair in self.pairs_standing(motion, f64::from(l_max) + reach, |_, _| 0.0) {
+            let (k, j) = (self.pairs[pair].k, self.pairs[pair].j);
+            for conjugate in [false, true] {
+                let sign = if conjugate { -1.0 } else { 1.0 };
+                let m_star = sign * motion.standing(k, j);
+                let scale = tail_scale(m_star, orbits, reach);
+                let phase = sign * (f64::from(k) * phi_a + f64::from(j) * phi_b);
+                for m in span(m_star, reach, l_max) {
+                    let nu = (f64::from(m) - m_star) * orbits;
+                    let size = scale * sinc(PI * nu);
+                    let (s, c) = (-PI * nu - f64::from(m) * phi_o - phase).sin_cos();
+                    terms.push(Term { m, pair, conjugate, factor: [size * c, size * s] });
+                }
+            }
+        }
+        terms.sort_by_key(|term| (term.m, term.pair, term.conjugate));
+        terms
+    }
+
+    /// What a motion's hits look like.
+    pub fn predict(&mut self, motion: &Motion) -> Prediction {
+        let terms = self.terms(motion);
+        let mut powers: BTreeMap<usize, f64> = BTreeMap::new();
+        let mut interference = 0.0;
+        for same_m in terms.chunk_by(|a, b| a.m == b.m) {
+            let Some(m) = same_m.first().map(|it| it.m) else { continue };
+            let sides = if m == 0 { 1.0 } else { 2.0 };
+            let mut strengths = Vec::with_capacity(same_m.len());
+            for term in same_m {
+                let [re, im] = term.factor;
+                let power = (re * re + im * im) * self.pair_power(term.pair, m);
+                *powers.entry(term.pair).or_default() += sides * power;
+                strengths.push(power);
+            }
+            for (i, a) in same_m.iter().enumerate() {
+                for (b, strength) in same_m.iter().zip(&strengths).skip(i + 1) {
+                    if 4.0 * (strengths[i] * strength).sqrt() < NEGLIGIBLE {
+                        continue;
+                    }
+                    let coherent = a.factor[0] * b.factor[0] + a.factor[1] * b.factor[1];
+                    interference += 2.0 * sides * coherent * self.product(a, b);
+                }
+            }
+        }
+        let smooth_variance = powers.remove(&SMOOTH).unwrap_or(0.0);
+        let mut resonances: Vec<Resonance> = powers
+            .iter()
+            .map(|(&at, &power)| {
+                let Pair { k, j, .. } = self.pairs[at];
+                Resonance { k, j, m_star: motion.standing(k, j), power }
+            })
+            .collect();
+        resonances.sort_by(|a, b| b.power.total_cmp(&a.power));
+        let resonant: f64 = powers.values().sum();
+        Prediction {
+            variance: smooth_variance + resonant + interference,
+            smooth_variance,
+            resonances,
+        }
+    }
+
+    pub(super) fn pair_power(&mut self, pair: usize, m: i32) -> f64 {
+        self.pairs[pair].power(m.unsigned_abs() as usize)
+    }
+
+    /// `sum_l` of the product of two terms' real amplitudes at the same m.
+    fn product(&mut self, a: &Term, b: &Term) -> f64 {
+        let [even, odd] = self.products(a.m, a.pair, b.pair);
+        let flips = [a, b]
+            .iter()
+            .filter(|it| it.conjugate && (it.m + self.pairs[it.pair].k) % 2 != 0)
+            .count();
+        let product = if a.conjugate == b.conjugate { even + odd } else { even - odd };
+        if flips % 2 == 0 { product } else { -product }
+    }
+
+    /// `sum_l` of the product of two pairs' amplitudes at m, over even and over odd l.
+    pub(super) fn products(&mut self, m: i32, a: usize, b: usize) -> [f64; 2] {
+        let key = (m, a.min(b), a.max(b));
+        if let Some(&known) = self.products.get(&key) {
+            return known;
+        }
+        if self.rows.len() > MOST_ROWS {
+            self.rows.clear();
+        }
+        for pair in [a, b] {
+            if !self.rows.contains_key(&(m, pair)) {
+                let term = Term { m, pair, conjugate: false, factor: [1.0, 0.0] };
+                let row = self.amplitudes(&term);
+                self.rows.insert((m, pair), row);
+            }
+        }
+        let row = |pair| self.rows.get(&(m, pair)).map_or(&[][..], Vec::as_slice);
+        let mut parts = [0.0; 2];
+        for (a, b) in row(a).chunks(2).zip(row(b).chunks(2)) {
+            for (part, (a, b)) in parts.iter_mut().zip(a.iter().zip(b)) {
+                *part += a * b;
+            }
+        }
+        self.products.insert(key, parts);
+        parts
+    }
+
+    /// `sqrt(2l + 1) w_l d_mk(90 deg) d_kj(alpha) d_j0(beta)` of a term.
+    pub(super) fn amplitudes(&self, term: &Term) -> Vec<f64> {
+        let pair = &self.pairs[term.pair];
+        let mut row = wigner_d(term.m, pair.k, FRAC_PI_2, self.window.l_max());
+        // d_m(-k)(90) = (-1)^(l+m) d_mk(90), d_(-k)(-j) = (-1)^(k-j) d_kj, d_(-j)0 = (-1)^j d_j0
+        let mut negative = term.conjugate && (term.m + pair.k) % 2 != 0;
+        for (value, amplitude) in row.iter_mut().zip(&pair.amplitudes) {
+            *value *= if negative { -amplitude } else { *amplitude };
+            negative ^= term.conjugate;
+        }
+        row
+    }
+}
+
+/// Whether degrees to `l_max` see a pair: beyond the turning points of all three functions, with
+/// room for what leaks below them.
+fn visible(alpha_rad: f64, beta_rad: f64, [k, j, l_max]: [i32; 3]) -> bool {
+    let (k, j, l) = (f64::from(k), f64::from(j), f64::from(l_max));
+    let turning = (k * k + j * j - 2.0 * k * j * alpha_rad.cos()).max(0.0).sqrt();
+    // Below its turning point a function falls over a range of about l^(1/3).
+    let room = 1.0 + 12.0 / l.powf(2.0 / 3.0).max(1.0);
+    turning <= room * l * alpha_rad.sin() + 8.0 && j.abs() <= room * l * beta_rad.sin() + 8.0
+}
+
+/// Whole m from 0 to `l_max` within `reach` of `round(m*)`.
+fn span(m_star: f64, reach: f64, l_max: i32) -> std::ops::RangeInclusive<i32> {
+    let low = (m_star.round() - reach.ceil()).max(0.0).min(f64::from(l_max) + 1.0);
+    let high = (m_star.round() + reach.ceil()).max(-1.0).min(f64::from(l_max));
+    #[expect(clippy::cast_possible_truncation, reason = "within -1 to l_max + 1")]
+    let (low, high) = (low as i32, high as i32);
+    low..=high
+}
+
+/// `sqrt(S / S_kept)`.
+fn tail_scale(m_star: f64, orbits: f64, reach: f64) -> f64 {
+    let (whole, reach) = (m_star.round(), reach.ceil());
+    let mut kept = 0.0;
+    let mut m = -reach;
+    while m <= reach {
+        kept += sinc(PI * (whole + m - m_star) * orbits).powi(2);
+        m += 1.0;
+    }
+    // Where nothing is kept, at the sinc's zeros, nothing is scaled.
+    if kept < 1e-6 { 1.0 } else { (all_of_sinc(m_star, orbits) / kept).max(0.0).sqrt() }
+}
+
+/// `S`, the sum over all m of `sinc^2(pi N_o (m - m*))`.
+pub(super) fn all_of_sinc(m_star: f64, orbits: f64) -> f64 {
+    let orbits = orbits.abs();
+    let mut sum = 1.0;
+    let mut r = 1.0;
+    while r < orbits {
+        sum += 2.0 * (1.0 - r / orbits) * (TAU * r * m_star).cos();
+        r += 1.0;
+    }
+    sum / orbits
+}
+
+pub(super) fn sinc(x: f64) -> f64 {
+    if x.abs() < 1e-8 { 1.0 } else { x.sin() / x }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::healpix::Nside;
+
+    fn litebird() -> Predictor {
+        let window = Window::pixel(Nside::new(128).unwrap()).unwrap();
+        Predictor::new(45_f64.to_radians(), 50_f64.to_radians(), window)
+    }
+
+    /// The paper's scan of 401 precession periods, in minutes with `sigma_hits / mean`.
+    fn scan() -> Vec<(f64, f64)> {
+        let mut predictor = litebird();
+        (0..401)
+            .map(|i| 192.0 + 0.0025 * f64::from(i))
+            .map(|minutes| {
+                (minutes, predictor.predict(&Motion::year(minutes * 60.0, 1200.0)).sigma())
+            })
+            .collect()
+    }
+
+    #[test]
+    fn resonances_stand_where_simulations_find_them() {
+        let scan = scan();
+        let within = |low: f64, high: f64| {
+            scan.iter()
+                .filter(|(minutes, _)| (low - 1e-9..=high + 1e-9).contains(minutes))
+                .fold((0.0, 0.0), |best, &it| if it.1 > best.1 { it } else { best })
+        };
+        let global = within(192.0, 193.0);
+        assert!((global.0 - 192.0825).abs() < 0.0026, "{global:?}");
+        for expected in [192.0825, 192.225, 192.3025, 192.39, 192.4175, 192.5825, 192.645, 192.81] {
+            let found = within(expected - 0.015, expected + 0.015);
+            assert!((found.0 - expected).abs() < 0.0076, "{expected}: {found:?}");
+        }
+        let worst_of = |window: &[(f64, f64)]| window.iter().fold(0.0_f64, |a, it| a.max(it.1));
+        let best = scan
+            .windows(21)
+            .min_by(|a, b| worst_of(a).total_cmp(&worst_of(b)))
+            .map(|it| it[0].0)
+            .unwrap();
+        assert!((192.31 - 1e-9..=192.325 + 1e-9).contains(&best), "{best}");
+    }
+
+    #[test]
+    fn commensurability_depends_on_the_start() {
+        let mut predictor = litebird();
+        let motion = Motion::year(192.0 * 60.0, 1200.0);
+        for (precession_phase_rad, expected) in [(0.0, 0.2766), (0.032_724_9, 0.2541)] {
+            let sigma = predictor.predict(&Motion { precession_phase_rad, ..motion }).sigma();
+            assert!((sigma - expected).abs() < 2e-4, "{sigma} {expected}");
+        }
+    }
+
+    #[test]
+    fn halves_sum_to_the_whole() {
+        let mut predictor = litebird();
+        for minutes in [192.0, 192.0825, 192.348] {
+            let motion = Motion::year(minutes * 60.0, 1200.0);
+            let variance = predictor.predict(&motion).variance;
+            let halves = predictor.hemispheres(&motion);
+            let mean = f64::midpoint(halves.north.powi(2), halves.south.powi(2));
+            assert!((mean / variance - 1.0).abs() < 2e-3, "{halves:?} {variance}");
+        }
+    }
+
+    #[test]
+    fn right_angles_and_zeros_are_legal() {
+        let window = Window::pixel(Nside::new(16).unwrap()).unwrap();
+        for (alpha, beta) in [(0.0, 90.0), (45.0, 90.0), (0.0, 50.0), (90.0, 0.0)] {
+            let mut predictor =
+                Predictor::new(f64::to_radians(alpha), f64::to_radians(beta), window.clone());
+            let found = predictor.predict(&Motion::year(11_541.0, 1200.0));
+            assert!(found.variance.is_finite() && found.variance > 0.0, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn sinc_squares_sum_as_stated() {
+        for orbits in [0.3, 1.0, 1.5, 3.0] {
+            for m_star in [0.0, 0.25, 0.5, 7.9] {
+                let sum: f64 = (-200_000..=200_000)
+                    .map(|m| sinc(PI * orbits * (f64::from(m) - m_star)).powi(2))
+                    .sum();
+                let found = all_of_sinc(m_star, orbits);
+                assert!((sum - found).abs() < 1e-5, "{orbits} {m_star}: {sum} {found}");
+            }
+        }
+    }
+}
