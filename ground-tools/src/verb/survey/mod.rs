@@ -26,6 +26,7 @@ use planner::survey::{
     SurveyStatistics, SurveySun, Sweeping,
 };
 use rayon::ThreadPool;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -218,13 +219,16 @@ impl Session<'_> {
             .sky
             .map(|sky| self.observe(&survey, (lines, sky, &name), progress, files))
             .transpose()?;
-        let amplitude = detectors.iter().map(|it| self.sweeping(it).amplitude_rad());
+        let amplitude = detectors
+            .par_iter()
+            .map(|it| self.sweeping(it).amplitude_rad())
+            .reduce(|| 0.0, f64::max);
         Ok(SurveyReport {
             telescope,
             detector,
             detectors: lines.len(),
             rate_hz: self.rate_hz,
-            scan_beam_amplitude_deg: amplitude.fold(0.0, f64::max).to_degrees(),
+            scan_beam_amplitude_deg: amplitude.to_degrees(),
             map,
             snapshots,
             sky,
