@@ -212,7 +212,7 @@ fn a_wrong_file_is_refused_in_a_sentence() {
     let said = column(&good, "VISITS").unwrap_err().to_string();
     assert!(said.contains("no column VISITS; its columns are HITS, SIGMA, HALF"), "{said}");
     let said = read_stokes(&data("named_nested_f64.fits"), ALL).unwrap_err().to_string();
-    assert!(said.contains("has 2 columns (HITS, SIGMA); I, Q and U are needed"), "{said}");
+    assert!(said.contains("has 2 column(s) (HITS, SIGMA); I, Q and U are needed"), "{said}");
     let said = read_map(&data("no such file"), ColumnChoice::Index(0), ALL).unwrap_err();
     assert!(said.to_string().starts_with("cannot read "), "{said}");
     let fewer = altered(

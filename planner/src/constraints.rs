@@ -243,7 +243,7 @@ pub fn kinetic_constraints(
         t_alpha_lower_plus_s: shortest_precession_s(scan, optics, Coherence::Plus),
         t_alpha_lower_minus_s: shortest_precession_s(scan, optics, Coherence::Minus),
         modulation_ok: plate.and_then(|rate| tau_s.map(|tau| optics.n_mod / tau < rate)),
-        sampling_ok: plate.map(|rate| rate < optics.sampling_rate_hz / (8.0 * optics.n_margin)),
+        sampling_ok: plate.map(|rate| sampling_ok(rate, optics.sampling_rate_hz, optics.n_margin)),
     })
 }
 
@@ -271,6 +271,13 @@ fn shortest_precession_s(scan: &Scan, optics: &Optics, coherence: Coherence) -> 
     // T_alpha > 2 pi (sin beta + sin(alpha +- beta)) / (d f / n_mod)
     let sines = scan.beta_rad.sin() + (scan.alpha_rad + coherence.sign() * scan.beta_rad).sin();
     Ok(TAU * sines / allowed_rad_s)
+}
+
+/// Whether detectors sampled at `sampling_rate_hz` follow the modulation of a plate that turns
+/// `plate_hz` times a second: `f < f_s / (8 n_margin)`.
+#[must_use]
+pub fn sampling_ok(plate_hz: f64, sampling_rate_hz: f64, n_margin: f64) -> bool {
+    plate_hz < sampling_rate_hz / (8.0 * n_margin)
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ done
 command -v cargo >/dev/null || fail "cargo is not here"
 
 rm -rf "$tools"
-mkdir -p "$tools/debs" "$tools/root"
+mkdir -p "$tools/debs" "$tools/packages"
 log="$tools/log"
 
 # Runs a command quietly; shows what it said only when it fails.
@@ -65,25 +65,25 @@ echo "toolchain: ${#packages[@]} Debian packages to $tools"
 cd "$tools/debs"
 quietly apt-get download "${packages[@]}"
 for package in *.deb; do
-    quietly dpkg-deb -x "$package" "$tools/root"
+    quietly dpkg-deb -x "$package" "$tools/packages"
 done
 cd "$tools"
 rm -r debs
 
 # Unpacked programs find their libraries in TOOLDIR first.
-libraries=$(printf ':%s' "$tools"/root/{usr/,}lib/*-linux-gnu)
+libraries=$(printf ':%s' "$tools"/packages/{usr/,}lib/*-linux-gnu)
 wrap() {
     printf '#!/bin/sh\nLD_LIBRARY_PATH=%s exec %s "$@"\n' "${libraries#:}" "$2" >"$1"
     chmod +x "$1"
 }
 for program in rustc qemu-system-arm arm-none-eabi-objdump arm-none-eabi-size; do
-    wrap "$tools/$program" "$tools/root/usr/bin/$program"
+    wrap "$tools/$program" "$tools/packages/usr/bin/$program"
 done
 host=$("$tools/rustc" -vV | sed -n 's/^host: //p')
-rustlib="$tools/root/usr/lib/rustlib"
+rustlib="$tools/packages/usr/lib/rustlib"
 # The compiler looks here for the linker that its bare-metal targets name.
 mkdir -p "$rustlib/$host/bin"
-wrap "$rustlib/$host/bin/rust-lld" "$(echo "$tools"/root/usr/lib/llvm-*/bin/lld)"
+wrap "$rustlib/$host/bin/rust-lld" "$(echo "$tools"/packages/usr/lib/llvm-*/bin/lld)"
 
 # core and compiler_builtins, compiled from the matching source.
 mkdir -p core/src

@@ -9,17 +9,11 @@ use planner::healpix::{Nside, Ordering};
 use planner::mapmaking::{
     BinnedMaps, CONDITION_LIMIT, MapMaker, PolarisationConvention, Sample, Sky, SkyMap,
 };
+use planner::survey::clock::turns_per_sample as turns;
 use planner::survey::{
     Isa, MapFrame, Progress, SampledScan, SunSource, Survey, SurveyDetector, SurveySun,
 };
 use rayon::ThreadPoolBuilder;
-
-/// `numerator / denominator` turns per sample, rounded to the nearest 2^-128.
-fn turns(numerator: u64, denominator: u64) -> TurnRate {
-    let (n, d) = (u128::from(numerator % denominator), u128::from(denominator));
-    let (quotient, rest) = (u128::MAX / d, u128::MAX % d + 1);
-    TurnRate::from_bits(quotient * n + (rest * n + d / 2) / d)
-}
 
 fn rotor(rate: TurnRate, start_rad: f64) -> Rotor {
     Rotor { rate, start: Phase::from_radians(start_rad) }

@@ -8,8 +8,8 @@ use onboard_core::time::{Duration, Instant};
 use planner::healpix::{Nside, Ordering};
 use planner::survey::clock::turns_per_sample as turns;
 use planner::survey::{
-    Collector, Isa, MapFrame, Moment, Progress, SampledScan, SunSource, Survey, SurveyDetector,
-    SurveyMaps, SurveyStatistics, SurveySun,
+    Collector, Isa, MOST_MOMENTS, MapFrame, Moment, Progress, SampledScan, SunSource, Survey,
+    SurveyDetector, SurveyMaps, SurveyStatistics, SurveySun,
 };
 use rayon::ThreadPoolBuilder;
 use serde_json::Value;
@@ -298,6 +298,16 @@ fn threads_do_not_change_a_bit() {
     let one = bits(1);
     assert_eq!(one, bits(2));
     assert_eq!(one, bits(4));
+}
+
+#[test]
+fn maps_have_the_moments_that_were_collected() {
+    let moments = (0..70).map(|k| (f64::from(k) / 2.0, 0.0)).collect();
+    let case = Case { samples: 5000, nside: 4, moments, ..Case::litebird() };
+    let (fast, plain) = (case.run(Isa::best(), 1), case.run(Isa::Plain, 1));
+    assert_eq!(fast.moments().len(), MOST_MOMENTS);
+    assert_same("70 moments", &plain, &fast);
+    assert_eq!(fast.h(0, MOST_MOMENTS), None);
 }
 
 #[test]

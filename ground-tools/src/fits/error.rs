@@ -85,7 +85,7 @@ pub enum FitsError {
     },
     /// Not I, Q and U.
     #[error(
-        "has {found} columns ({present}); I, Q and U are needed: columns of these names, or three columns"
+        "has {found} column(s) ({present}); I, Q and U are needed: columns of these names, or three columns"
     )]
     Stokes {
         /// Number of columns.

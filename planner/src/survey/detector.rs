@@ -9,7 +9,7 @@
 use super::clock::SampledScan;
 use onboard_core::direction::Direction;
 use onboard_core::frame::{Boresight, Detector, Spin};
-use onboard_core::phase::Rotor;
+use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::rotation::Rotation;
 
 /// A detector of a survey.
@@ -43,7 +43,27 @@ pub(super) struct Mount {
     pub(super) plate: usize,
 }
 
+/// A plate that stands for none.
+const NO_PLATE: Rotor = Rotor { rate: TurnRate::from_bits(0), start: Phase::ZERO };
+
 impl Mount {
+    /// The detectors' mounts, and the different plates before them.
+    pub(super) fn all(scan: &SampledScan, detectors: &[SurveyDetector]) -> (Vec<Self>, Vec<Rotor>) {
+        let mut plates: Vec<Rotor> = Vec::new();
+        let mounts = detectors
+            .iter()
+            .map(|detector| {
+                let plate = detector.plate.unwrap_or(NO_PLATE);
+                let index = plates.iter().position(|it| *it == plate).unwrap_or(plates.len());
+                if index == plates.len() {
+                    plates.push(plate);
+                }
+                Self::new(scan, detector.rotation, index)
+            })
+            .collect();
+        (mounts, plates)
+    }
+
     pub(super) fn new(
         scan: &SampledScan,
         rotation: Rotation<Detector, Boresight>,
@@ -76,7 +96,6 @@ impl Mount {
 mod tests {
     use super::*;
     use crate::survey::clock::SampledScan;
-    use onboard_core::phase::{Phase, TurnRate};
     use onboard_core::time::Instant;
     use proptest::prelude::*;
 

@@ -26,15 +26,6 @@ const POLE_DECLINATION_DEG: f64 = 27.128_25;
 const CELESTIAL_POLE_LONGITUDE_DEG: f64 = 122.931_92;
 
 impl MapFrame {
-    /// The FITS keyword COORDSYS.
-    #[must_use]
-    pub const fn letter(self) -> char {
-        match self {
-            Self::Ecliptic => 'E',
-            Self::Galactic => 'G',
-        }
-    }
-
     /// From the ecliptic to this frame.
     #[must_use]
     pub fn from_ecliptic(self) -> Rotation<Ecliptic, Galactic> {

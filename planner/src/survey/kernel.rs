@@ -10,7 +10,7 @@
 
 use super::axes::{Axes, BlockStart, Geometry, Offsets};
 use super::clock::{SampledScan, phase_at, radians_per_sample};
-use super::detector::{Mount, SurveyDetector};
+use super::detector::Mount;
 use super::lanes::times;
 use super::level::{Level, NODES, Phasors};
 use super::map::SurveyMaps;
@@ -23,7 +23,7 @@ use super::sight::Sights;
 use super::sun::{Arc, LONGEST_ARC_S, offset};
 use super::{Run, Survey};
 use onboard_core::ephemeris::EphemerisError;
-use onboard_core::phase::{Phase, Rotor, TurnRate};
+use onboard_core::phase::{Phase, Rotor};
 
 /// Samples of a large block.
 pub(super) const COARSE: usize = 128;
@@ -75,25 +75,10 @@ pub(super) struct Scratch<const LANES: usize> {
     pub(super) pending: Pending<LANES>,
 }
 
-/// A plate that stands for none.
-pub(super) const NO_PLATE: Rotor = Rotor { rate: TurnRate::from_bits(0), start: Phase::ZERO };
-
 impl<'s, const LANES: usize> Kernel<'s, LANES> {
     pub(super) fn new(survey: &'s Survey<'s>, moments: &'s [Moment]) -> Self {
         let scan = &survey.scan;
-        let mut plates: Vec<Rotor> = Vec::new();
-        let mounts = survey
-            .detectors
-            .iter()
-            .map(|detector: &SurveyDetector| {
-                let plate = detector.plate.unwrap_or(NO_PLATE);
-                let index = plates.iter().position(|it| *it == plate).unwrap_or(plates.len());
-                if index == plates.len() {
-                    plates.push(plate);
-                }
-                Mount::new(scan, detector.rotation, index)
-            })
-            .collect();
+        let (mounts, plates) = Mount::all(scan, survey.detectors);
         let (precession, spin) =
             (radians_per_sample(scan.precession.rate), radians_per_sample(scan.spin.rate));
         let rates: Vec<f64> = plates.iter().map(|it| radians_per_sample(it.rate)).collect();

@@ -115,6 +115,14 @@ impl Progress {
     }
 }
 
+impl<'a> Survey<'a> {
+    /// The moments that are collected: the first [`MOST_MOMENTS`].
+    #[must_use]
+    pub fn collected(&self) -> &'a [Moment] {
+        &self.moments[..self.moments.len().min(MOST_MOMENTS)]
+    }
+}
+
 /// Collects a survey, one span of samples after the other.
 #[derive(Debug)]
 pub struct Collector<'a> {
@@ -125,7 +133,7 @@ pub struct Collector<'a> {
 
 /// Samples that a thread takes at a time, about.
 const TASK_SAMPLES: u64 = 1 << 19;
-/// Most moments of a survey; those beyond are not collected.
+/// Most moments of a survey; its maps do not have those beyond.
 pub const MOST_MOMENTS: usize = 64;
 
 impl<'a> Collector<'a> {
@@ -146,7 +154,7 @@ impl<'a> Collector<'a> {
         pool: &ThreadPool,
         progress: &Progress,
     ) -> Result<bool, EphemerisError> {
-        match self.survey.moments.len() {
+        match self.survey.collected().len() {
             0 => self.collect_lanes::<0>(span, pool, progress),
             1..=8 => self.collect_lanes::<8>(span, pool, progress),
             9..=16 => self.collect_lanes::<16>(span, pool, progress),
@@ -162,10 +170,10 @@ impl<'a> Collector<'a> {
     ) -> Result<bool, EphemerisError> {
         let survey = self.survey;
         let isa = self.isa;
-        let kernel: Kernel<'_, LANES> = Kernel::new(survey, survey.moments);
+        let kernel: Kernel<'_, LANES> = Kernel::new(survey, survey.collected());
         let tasks = tasks(survey, span, Kernel::<LANES>::run_samples(&survey.scan));
         self.shares.resize_with(self.shares.len().max(pool.current_num_threads()), || {
-            SurveyMaps::new(survey.nside, survey.moments)
+            SurveyMaps::new(survey.nside, survey.collected())
         });
         let next = AtomicUsize::new(0);
         let shares: Vec<std::sync::Mutex<&mut SurveyMaps>> =
@@ -188,7 +196,7 @@ impl<'a> Collector<'a> {
     /// The maps so far, all threads' shares merged into one.
     pub fn merged(&mut self) -> &SurveyMaps {
         if self.shares.is_empty() {
-            self.shares.push(SurveyMaps::new(self.survey.nside, self.survey.moments));
+            self.shares.push(SurveyMaps::new(self.survey.nside, self.survey.collected()));
         }
         let (first, others) = self.shares.split_at_mut(1);
         for other in others {

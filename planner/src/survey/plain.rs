@@ -124,12 +124,13 @@ pub(super) fn collect(
     run: Run,
     map: &mut SurveyMaps,
 ) -> Result<(), EphemerisError> {
-    let count = survey.moments.len();
+    let moments = survey.collected();
+    let count = moments.len();
     let (mut re, mut im) = (vec![0; count], vec![0; count]);
     for j in run.first..run.end {
         for detector in 0..survey.detectors.len() {
             let it = sample(survey, detector, j)?;
-            for (index, moment) in survey.moments.iter().enumerate() {
+            for (index, moment) in moments.iter().enumerate() {
                 let angle = -(moment.n() * it.crossing_angle_rad + moment.m() * it.plate_angle_rad);
                 let (sin, cos) = angle.sin_cos();
                 re[index] = steps(cos);

@@ -16,7 +16,7 @@ use super::axes::{Axes, BlockStart, Geometry, Offsets};
 use super::clock::{phase_at, radians_per_sample};
 use super::detector::Mount;
 use super::isa::Isa;
-use super::kernel::{FINE, Kernel, NO_PLATE};
+use super::kernel::{FINE, Kernel};
 use super::lanes::times;
 use super::pixel::Grid;
 use super::plain;
@@ -123,27 +123,16 @@ impl<'s> Stream<'s> {
         isa: Isa,
     ) -> Self {
         let scan = &survey.scan;
-        let mut plates: Vec<Rotor> = Vec::new();
         let turns: Vec<(f64, f64)> = (0..survey.detectors.len())
             .map(|detector| {
                 let (sin, cos) = turn_rad(detector).sin_cos();
                 (cos, sin)
             })
             .collect();
-        let mounts = survey
-            .detectors
-            .iter()
-            .zip(&turns)
-            .map(|(detector, &turn)| {
-                let plate = detector.plate.unwrap_or(NO_PLATE);
-                let index = plates.iter().position(|it| *it == plate).unwrap_or(plates.len());
-                if index == plates.len() {
-                    plates.push(plate);
-                }
-                let mount = Mount::new(scan, detector.rotation, index);
-                Mount { turn: times::<false>(mount.turn, turn), ..mount }
-            })
-            .collect();
+        let (mut mounts, plates) = Mount::all(scan, survey.detectors);
+        for (mount, &turn) in mounts.iter_mut().zip(&turns) {
+            mount.turn = times::<false>(mount.turn, turn);
+        }
         let views = (0..maps.len())
             .map(|index| {
                 let (frame, nside) = maps[index];

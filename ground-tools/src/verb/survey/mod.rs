@@ -81,6 +81,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
         }
         _ => Vec::new(),
     };
+    let besides = if sky.is_some() { sky::bytes(nside) } else { 0 };
     let session = Session {
         world: &world,
         input: &input,
@@ -89,7 +90,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
         moments: &moments,
         layout,
         isa,
-        pool: options::pool(arguments.threads, nside, moments.len())?,
+        pool: options::pool(arguments.threads, nside, moments.len(), besides)?,
         snapshots: &snapshots,
         pictures: Pictures {
             png: arguments.png.clone(),

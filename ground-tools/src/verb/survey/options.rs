@@ -12,6 +12,7 @@ use crate::sightline::SightLine;
 use crate::survey_input::SurveyInput;
 use crate::world::World;
 use onboard_core::time::Duration;
+use planner::constraints::sampling_ok;
 use planner::healpix::{MAX_NSIDE, Nside};
 use planner::survey::{Isa, MOST_MOMENTS, Moment, map_bytes};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -39,24 +40,27 @@ fn gigabytes(bytes: f64) -> String {
     format!("{:.1} GB", bytes / 1e9)
 }
 
-/// Threads, and that their maps fit the memory: fewer threads where that is needed.
+/// Threads, and that their maps fit the memory beside `besides` bytes: fewer threads where that is
+/// needed.
 pub(super) fn pool(
     asked: Option<NonZeroUsize>,
     nside: Nside,
     moments: usize,
+    besides: u64,
 ) -> Result<ThreadPool, Failure> {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let mut threads = asked.map_or(cores, NonZeroUsize::get);
     let each = map_bytes(nside, moments);
     if let Some(available) = available_bytes() {
-        let fitting = usize::try_from(available / each.max(1)).unwrap_or(usize::MAX);
+        let left = available.saturating_sub(besides);
+        let fitting = usize::try_from(left / each.max(1)).unwrap_or(usize::MAX);
         if fitting == 0 {
             #[expect(clippy::cast_precision_loss, reason = "a size in words")]
             return Err(Failure::Input(format!(
                 "--nside {}: a map with {moments} moment(s) takes {}, and {} of memory are left; a \
                  smaller --nside or fewer --moment fit",
                 nside.get(),
-                gigabytes(each as f64),
+                gigabytes((each + besides) as f64),
                 gigabytes(available as f64)
             )));
         }
@@ -203,12 +207,12 @@ pub(super) fn slow_sampling(world: &World, lines: &[SightLine], rate: &Number) -
     for line in lines {
         let Some(plate) = line.hwp else { continue };
         let hz = (plate.rate.radians_per_second() / TAU).abs();
-        let needed = 8.0 * margin * hz;
-        if hz >= rate.to_f64() / (8.0 * margin) {
+        if !sampling_ok(hz, rate.to_f64(), margin) {
             let sentence = format!(
-                "sampling_ok fails for {}: {rate} Hz is not above 8 n_margin f_phi = {needed} Hz, so \
+                "sampling_ok fails for {}: {rate} Hz is not above 8 n_margin f_phi = {:.4} Hz, so \
                  the plate's modulation is sampled too slowly",
-                if line.telescope.is_some() { &line.telescope_name } else { "the boresight" }
+                if line.telescope.is_some() { &line.telescope_name } else { "the boresight" },
+                8.0 * margin * hz
             );
             if !told.contains(&sentence) {
                 told.push(sentence);

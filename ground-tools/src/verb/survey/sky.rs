@@ -12,10 +12,13 @@ use crate::output::Sink;
 use crate::sightline::SightLine;
 use crate::survey_products::beside;
 use crate::survey_report::{SkyReport, who};
+use planner::healpix::Nside;
 use planner::mapmaking::{
     BinnedMaps, CONDITION_LIMIT, MapMaker, PolarisationConvention, Sample, Sky, SkyMap, Solution,
+    map_bytes,
 };
 use planner::survey::{MapFrame as SurveyFrame, Progress, Survey};
+use rayon::prelude::*;
 use std::path::Path;
 
 /// The sky asked for.
@@ -35,7 +38,12 @@ pub(super) fn asked(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<Optio
 /// Reads a sky; a file that does not name its frame is taken to be in `unsaid`.
 fn read(path: &Path, unsaid: Option<MapFrame>) -> Result<Sky, Failure> {
     let frames = Frames { accepted: &[MapFrame::Ecliptic, MapFrame::Galactic], unsaid };
-    let map: StokesMap = read_stokes(path, frames)?;
+    let map: StokesMap = read_stokes(path, frames).map_err(|failure| match failure {
+        Failure::Input(told) if unsaid.is_none() && told.contains("COORDSYS = nothing") => {
+            Failure::Input(format!("{told}; --sky-frame says it for a file that does not"))
+        }
+        other => other,
+    })?;
     let frame = match map.frame {
         MapFrame::Galactic => SurveyFrame::Galactic,
         MapFrame::Ecliptic | MapFrame::Equatorial => SurveyFrame::Ecliptic,
@@ -48,6 +56,21 @@ fn read(path: &Path, unsaid: Option<MapFrame>) -> Result<Sky, Failure> {
         stokes: [&map.i, &map.q, &map.u],
     })
     .map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+}
+
+/// Bytes that observing a sky takes beside the survey's maps.
+pub(super) fn bytes(nside: Nside) -> u64 {
+    map_bytes(nside) + u64::from(nside.pixels()) * size_of::<[f64; 4]>() as u64
+}
+
+/// I, Q, U and the condition number of each NESTED pixel; NaN where there is none.
+fn solved(maps: &BinnedMaps) -> Vec<[f64; 4]> {
+    let solved = |pixel: u32| {
+        let [i, q, u] =
+            maps.solve(pixel, CONDITION_LIMIT).map_or([f64::NAN; 3], |it: Solution| it.stokes);
+        [i, q, u, maps.condition(pixel).unwrap_or(f64::NAN)]
+    };
+    (0..maps.nside().pixels()).into_par_iter().map(solved).collect()
 }
 
 impl Session<'_> {
@@ -71,25 +94,29 @@ impl Session<'_> {
             )));
         }
         let maps = maker.finish();
+        let solved = solved(&maps);
         let (telescope, detector) = super::seen_by(lines);
         if let Some(out) = &self.out {
             let path = beside(out, &format!("{name}-iqu"));
-            self.write_stokes(&Sink::File(path.clone()), &maps, &who(&telescope, &detector))?;
+            let seen_by = who(&telescope, &detector);
+            self.write_stokes(&Sink::File(path.clone()), (&maps, &solved), &seen_by)?;
             files.push(path.display().to_string());
         }
-        let pixels = 0..self.nside.pixels();
-        let unsolved = pixels.filter(|&pixel| maps.solve(pixel, CONDITION_LIMIT).is_none()).count();
-        Ok(SkyReport { left_out_samples: maps.left_out(), unsolved_pixels: unsolved })
+        Ok(SkyReport {
+            left_out_samples: maps.left_out(),
+            unsolved_pixels: solved.iter().filter(|it| it[0].is_nan()).count(),
+        })
     }
 
-    fn write_stokes(&self, sink: &Sink, maps: &BinnedMaps, seen_by: &str) -> Result<(), Failure> {
+    fn write_stokes(
+        &self,
+        sink: &Sink,
+        (maps, solved): (&BinnedMaps, &[[f64; 4]]),
+        seen_by: &str,
+    ) -> Result<(), Failure> {
         let nested = |pixel: u32| self.nside.nested(self.layout.ordering, pixel);
-        let solved = |pixel: u32| maps.solve(nested(pixel), CONDITION_LIMIT);
-        let stokes = |index: usize| {
-            move |pixel: u32| solved(pixel).map_or(f64::NAN, |it: Solution| it.stokes[index])
-        };
-        let (i, q, u) = (stokes(0), stokes(1), stokes(2));
-        let condition = |pixel: u32| maps.condition(nested(pixel)).unwrap_or(f64::NAN);
+        let part = |index: usize| move |pixel: u32| solved[nested(pixel) as usize][index];
+        let (i, q, u, condition) = (part(0), part(1), part(2), part(3));
         let hits = |pixel: u32| i64::try_from(maps.hits(nested(pixel))).unwrap_or(i64::MAX);
         let columns = [
             Column { name: "I_STOKES", unit: "", values: Values::Double(&i) },
