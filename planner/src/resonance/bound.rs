@@ -14,8 +14,9 @@
 //! bounded numerically, with the margin that their slope asks for (test
 //! `no_point_in_a_passing_box_exceeds_its_bound` of the certificate).
 
-use super::certificate::{OrbitSpread, Tolerance};
+use super::certificate::Tolerance;
 use super::motion::Motion;
+use super::orbit::Orbit;
 use super::power::{Predictor, SMOOTH, all_of_sinc, sinc};
 use std::f64::consts::PI;
 
@@ -26,13 +27,19 @@ const MOST_MEETINGS: f64 = 24.0;
 /// Products of two pairs below it are bounded without a look at where they meet.
 const NEGLIGIBLE_OVERLAP: f64 = 1e-9;
 /// Products of two pairs below it are bounded by Cauchy and Schwarz.
-const FINE_OVERLAP: f64 = 1e-6;
+const FINE_OVERLAP: f64 = 2e-6;
 /// Powers below it are bounded by their largest P(m) alone.
 const FINE_POWER: f64 = 1e-5;
+/// Largest change of an amplitude by the orbit's latitude that is bounded as a change.
+const SMALL_TILT: f64 = 0.05;
 /// Points between whole m*, for one orbit.
-const POINTS: f64 = 16.0;
-/// Bound of the sum of `|w''|` over the terms' weights, for one orbit.
-const CURVATURE: f64 = 20.0;
+const POINTS: f64 = 12.0;
+/// Bound of the second derivative of N over its largest value, for one orbit.
+///
+/// `w = |c|^2`, `w'' = 2 |c'|^2 + 2 Re(c'' c*)`, and the sum over m of w'' vanishes, so that weights P
+/// from 0 to 1 leave at most half the sum of `|w''|`. With the time from the middle of the survey,
+/// Parseval bounds it by `(2 pi)^2 (1/12 + 1/sqrt 80) = 7.7`, on the Earth's ellipse by 1 / (1 - r) more.
+const CURVATURE: f64 = 8.5;
 
 /// Ranges of eta and of the precession period.
 #[derive(Debug, Clone, Copy)]
@@ -74,79 +81,93 @@ pub(super) struct Bounded {
 
 /// What does not change from slice to slice.
 #[derive(Debug, Clone)]
-pub(super) struct Survey {
+pub(super) struct Survey<'o> {
     pub(super) motion: Motion,
-    pub(super) spread: OrbitSpread,
-    pub(super) orbits: f64,
-    pub(super) reach: f64,
-    pub(super) smooth: f64,
+    pub(super) orbit: &'o Orbit,
+    orbits: f64,
+    smooth: f64,
     /// Largest sum of squares of one pair's coefficients.
-    pub(super) coefficients: f64,
+    coefficients: f64,
     /// How far a pair's terms may be from its `m*`, on a circle.
-    pub(super) room: f64,
+    room: f64,
+    /// Largest change of an amplitude by the orbit's latitude, in parts of the pair's largest.
+    tilt: f64,
     /// Bounds of the sum of products of two pairs' coefficients relative to the geometric mean of
     /// their sums of squares, by the distance of their `m*` in cells of [`CELL`].
-    pub(super) overlaps: Vec<f64>,
+    overlaps: Vec<f64>,
     /// Most whole m in which two pairs meet that are looked at one by one.
-    pub(super) meetings: f64,
+    meetings: f64,
     /// Points between whole m*.
-    pub(super) points: f64,
-    /// Shares of the terms about a whole m where `m*` is beyond it by an offset.
-    pub(super) weights: Vec<(f64, Vec<f64>)>,
+    points: f64,
+    /// Squares of the coefficients at m, for `m* - m` at the points; on a circle at 0 only.
+    squares: Vec<Option<Squares>>,
 }
 
-impl Survey {
+/// Squares of the coefficients of one m.
+#[derive(Debug, Clone)]
+struct Squares {
+    /// `m* - m` of the first, in points.
+    first: f64,
+    values: Vec<f64>,
+}
+
+impl Squares {
+    /// Where `m* - m` is a number of points.
+    fn at(&self, points: f64) -> f64 {
+        let index = points - self.first;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
+        let found = if index >= 0.0 { self.values.get(index as usize) } else { None };
+        found.copied().unwrap_or(0.0)
+    }
+}
+
+impl<'o> Survey<'o> {
     /// What holds for all slices; `smooth` is the variance without resonances.
-    pub(super) fn new(motion: Motion, spread: OrbitSpread, smooth: f64, l_max: f64) -> Self {
+    pub(super) fn new(motion: Motion, orbit: &'o Orbit, smooth: f64, l_max: f64) -> Self {
         let (orbits, reach) = (motion.orbits(), Predictor::reach(&motion));
-        let points = POINTS * orbits.abs().ceil().max(1.0);
+        let tilt = orbit.latitude_rad() * l_max;
+        let room = reach.ceil() + 0.5 + if tilt > SMALL_TILT { tilt } else { 0.0 };
         Self {
             motion,
-            spread,
+            orbit,
             orbits,
-            reach,
             smooth,
-            coefficients: all_of_sinc(0.0, orbits) / (1.0 - spread.rate),
-            room: reach.ceil() + 0.5 + spread.latitude_rad * l_max,
+            coefficients: all_of_sinc(0.0, orbits) * orbit.slowness().max(1.0),
+            room,
+            tilt,
             overlaps: overlaps(orbits, reach),
-            meetings: if spread == OrbitSpread::CIRCULAR { MOST_MEETINGS } else { f64::INFINITY },
-            points,
-            weights: weights(orbits, reach, points),
+            meetings: if orbit.is_circular() { MOST_MEETINGS } else { f64::INFINITY },
+            points: POINTS * orbits.abs().ceil().max(1.0),
+            squares: Vec::new(),
         }
     }
 
     /// Where the terms of a pair can lie whose `m*` lies in a range.
     fn widened(&self, [low, high]: [f64; 2]) -> [f64; 2] {
-        let rate = self.spread.rate;
+        let rate = self.orbit.rate();
         let least = (low / (1.0 - rate)).min(low / (1.0 + rate));
         let most = (high / (1.0 - rate)).max(high / (1.0 + rate));
         [least - self.room, most + self.room]
     }
-}
 
-/// For offsets of `m*` from -1/2 to 1/2, the squares of the terms' coefficients.
-fn weights(orbits: f64, reach: f64, points: f64) -> Vec<(f64, Vec<f64>)> {
-    let mut sets = Vec::new();
-    let mut point = 0.0;
-    while point <= points {
-        let offset = point / points - 0.5;
-        let mut squares = Vec::new();
-        let mut m = -reach.ceil();
-        while m <= reach.ceil() {
-            squares.push(sinc(PI * (m - offset) * orbits).powi(2));
-            m += 1.0;
+    /// The squares of the coefficients of m, not negative.
+    fn squares(&mut self, m: i32) -> &Squares {
+        let m = if self.orbit.is_circular() { 0 } else { m };
+        let at = m.unsigned_abs() as usize;
+        if self.squares.len() <= at {
+            self.squares.resize_with(at + 1, || None);
         }
-        let kept: f64 = squares.iter().sum();
-        if kept >= 1e-6 {
-            let scale = all_of_sinc(offset, orbits) / kept;
-            for square in &mut squares {
-                *square *= scale;
-            }
-        }
-        sets.push((offset, squares));
-        point += 1.0;
+        let Self { orbit, orbits, room, points, .. } = *self;
+        self.squares[at].get_or_insert_with(|| {
+            let rate = orbit.rate();
+            let half = points * (room * (1.0 + rate) + f64::from(m) * rate + 1.0);
+            let first = -half.ceil();
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
+            let count = (1.0 - 2.0 * first) as usize;
+            let at = (f64::from(m), orbits);
+            Squares { first, values: orbit.squares(at, points.recip(), (first, count)) }
+        })
     }
-    sets
 }
 
 /// Width of a cell of distances of `m*`.
@@ -208,9 +229,14 @@ fn overlaps(orbits: f64, reach: f64) -> Vec<f64> {
 
 impl Predictor {
     /// The bound over a slice, and the variance at a point of the box in its middle.
-    pub(super) fn bound(&mut self, survey: &Survey, tolerance: Tolerance, slice: Slice) -> Bounded {
-        let Survey { motion, spread, room, .. } = *survey;
-        let limit = (f64::from(self.l_max()) + room) * (1.0 + spread.rate);
+    pub(super) fn bound(
+        &mut self,
+        survey: &mut Survey<'_>,
+        tolerance: Tolerance,
+        slice: Slice,
+    ) -> Bounded {
+        let Survey { motion, orbit, room, .. } = *survey;
+        let limit = (f64::from(self.l_max()) + room) * (1.0 + orbit.rate());
         let eta = f64::midpoint(slice.eta[0], slice.eta[1]);
         let precession_period_s = f64::midpoint(slice.precession_s[0], slice.precession_s[1]);
         let middle =
@@ -248,7 +274,7 @@ impl Predictor {
     /// Bound of the product of a pair with another, or (sign -1) with another's conjugate.
     fn overlap(
         &mut self,
-        survey: &Survey,
+        survey: &Survey<'_>,
         slice: &Slice,
         a: &Band,
         (b, sign): (&Band, i32),
@@ -268,7 +294,7 @@ impl Predictor {
         let frequencies = [0, 1].map(|i| a.frequencies[i] - sign * b.frequencies[i]);
         let [least, most] = standing(survey, slice, frequencies);
         let apart = least.max(-most).max(0.0);
-        let share = if survey.spread == OrbitSpread::CIRCULAR {
+        let share = if survey.orbit.is_circular() {
             if apart > 2.0 * room {
                 return 0.0;
             }
@@ -279,71 +305,73 @@ impl Predictor {
         if crude * share < FINE_OVERLAP || high - low > survey.meetings {
             return crude * share;
         }
-        let mut largest = 0.0_f64;
         let l_max = f64::from(self.l_max());
-        let mut m = low.max(-l_max).ceil();
-        while m <= high.min(l_max) {
-            #[expect(clippy::cast_possible_truncation, reason = "to l_max")]
-            let [even, odd] = self.products(m.abs() as i32, a.pair, b.pair);
-            largest = largest.max((even + f64::from(sign) * odd).abs());
-            if survey.coefficients * largest >= crude {
+        // By Cauchy and Schwarz at each m, the largest first.
+        let mut bounds: Vec<(f64, i32)> = whole(low.max(-l_max), high.min(l_max))
+            .map(|m| ((self.pair_power(a.pair, m) * self.pair_power(b.pair, m)).sqrt(), m.abs()))
+            .collect();
+        bounds.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let bound = |largest: f64| share * crude.min(survey.coefficients * largest);
+        let mut largest = 0.0_f64;
+        for (most, m) in bounds {
+            if largest >= most || bound(largest) >= crude * share {
                 break;
             }
-            m += 1.0;
+            if bound(most) < FINE_OVERLAP {
+                largest = most;
+                break;
+            }
+            let [even, odd] = self.products(m, a.pair, b.pair);
+            largest = largest.max((even + f64::from(sign) * odd).abs());
         }
-        share * crude.min(survey.coefficients * largest)
+        bound(largest)
     }
 
     /// Largest power of one conjugate where its `m*` lies in a range.
-    fn supremum(&mut self, survey: &Survey, pair: usize, range: [f64; 2]) -> f64 {
-        let Survey { spread, orbits, reach, coefficients, room, .. } = *survey;
+    fn supremum(&mut self, survey: &mut Survey<'_>, pair: usize, range: [f64; 2]) -> f64 {
+        let Survey { orbits, coefficients, tilt, points, .. } = *survey;
         let l_max = f64::from(self.l_max());
         let [low, high] = survey.widened(range);
         let mut largest = 0.0_f64;
-        let mut m = low.max(-l_max).ceil();
-        while m <= high.min(l_max) {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "to l_max")]
-            let at = m.abs() as usize;
-            largest = largest.max(self.pairs[pair].power(at));
-            m += 1.0;
+        for m in whole(low.max(-l_max), high.min(l_max)) {
+            largest = largest.max(self.pair_power(pair, m));
         }
         let crude = coefficients * largest;
-        if spread != OrbitSpread::CIRCULAR || crude < FINE_POWER {
+        if tilt > SMALL_TILT || crude < FINE_POWER {
             return crude;
         }
         let mut fine = 0.0_f64;
-        let half_step = 0.5 / survey.points;
-        let last = range[1].min(l_max + room).round();
-        let mut whole = range[0].max(-l_max - room).round();
-        while whole <= last {
-            for (offset, weights) in &survey.weights {
-                let m_star = whole + offset;
-                if m_star < range[0] - half_step || m_star > range[1] + half_step {
-                    continue;
-                }
-                let mut sum = 0.0;
-                let mut m = whole - reach.ceil();
-                for weight in weights {
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "near l_max at most"
-                    )]
-                    let at = m.abs() as usize;
-                    sum += weight * self.pairs[pair].power(at);
-                    m += 1.0;
-                }
-                fine = fine.max(sum);
-            }
-            whole += 1.0;
+        let edge = l_max * (1.0 + survey.orbit.rate()) + survey.room;
+        let mut at = (range[0].max(-edge) * points - 0.5).ceil();
+        let last = (range[1].min(edge) * points + 0.5).floor();
+        while at <= last {
+            fine = fine.max(self.power_at(survey, pair, at / points));
+            at += 1.0;
         }
-        let bend = CURVATURE * orbits * orbits * coefficients * largest
-            / (8.0 * survey.points * survey.points);
-        crude.min(fine + bend)
+        let bend = CURVATURE * orbits * orbits * crude / (8.0 * points * points);
+        let shifted = (fine + bend).max(0.0).sqrt() + tilt * crude.sqrt();
+        crude.min(shifted * shifted)
+    }
+
+    /// Power of one conjugate at an `m*`, a whole number of points.
+    fn power_at(&mut self, survey: &mut Survey<'_>, pair: usize, m_star: f64) -> f64 {
+        let Survey { orbits, points, .. } = *survey;
+        let [low, high] = survey.widened([m_star, m_star]);
+        let (mut sum, mut kept) = (0.0, 0.0);
+        for m in whole(low, high) {
+            let apart = (m_star - f64::from(m)) * points;
+            // c_m(m*) and c_-m(-m*) are conjugate.
+            let apart = if m < 0 { -apart } else { apart };
+            let square = survey.squares(m.abs()).at(apart);
+            kept += square;
+            sum += square * self.pair_power(pair, m);
+        }
+        let all = all_of_sinc(m_star, orbits) * survey.orbit.slowness();
+        if kept < 1e-6 { sum } else { sum * all / kept }
     }
 
     /// Bound of a pair's product with the smooth term, one conjugate.
-    fn overlap_with_smooth(&mut self, survey: &Survey, band: &Band) -> f64 {
+    fn overlap_with_smooth(&mut self, survey: &Survey<'_>, band: &Band) -> f64 {
         let [low, high] = survey.widened(band.range);
         let l_max = f64::from(self.l_max());
         let mut m = low.max(-l_max).ceil();
@@ -362,7 +390,7 @@ impl Predictor {
 }
 
 /// Least and largest `m*` of a pair in a slice.
-fn standing(survey: &Survey, slice: &Slice, [k, j]: [i32; 2]) -> [f64; 2] {
+fn standing(survey: &Survey<'_>, slice: &Slice, [k, j]: [i32; 2]) -> [f64; 2] {
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     for eta in slice.eta {
         for precession_s in slice.precession_s {
@@ -374,6 +402,13 @@ fn standing(survey: &Survey, slice: &Slice, [k, j]: [i32; 2]) -> [f64; 2] {
     // Room for rounding.
     let slack = 1e-9 * (1.0 + range[0].abs().max(range[1].abs()));
     [range[0] - slack, range[1] + slack]
+}
+
+/// The whole numbers from `low` to `high`.
+fn whole(low: f64, high: f64) -> std::ops::RangeInclusive<i32> {
+    #[expect(clippy::cast_possible_truncation, reason = "degrees")]
+    let (low, high) = (low.ceil() as i32, high.floor() as i32);
+    low..=high
 }
 
 /// A point of the box with a given eta.
@@ -396,21 +431,42 @@ pub(super) fn at_eta(motion: &Motion, tolerance: Tolerance, eta: f64) -> Motion 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::resonance::motion::YEAR_S;
+    use crate::resonance::orbit::ellipse;
+
+    /// Half the sum over m of the second derivatives' moduli, relative to `coefficients`.
+    fn bend(survey: &mut Survey<'_>, m_star: f64) -> f64 {
+        let h = survey.points.recip();
+        let [low, high] = survey.widened([m_star, m_star]);
+        let mut sums = 0.0;
+        for m in whole(low, high) {
+            let apart = (m_star - f64::from(m)) * survey.points;
+            let squares = survey.squares(m);
+            let w = [-1.0, 0.0, 1.0].map(|off| squares.at((apart + off).round()));
+            sums += (w[0] - 2.0 * w[1] + w[2]).abs();
+        }
+        0.5 * sums / (h * h) / survey.coefficients
+    }
 
     #[test]
-    fn weights_bend_less_than_stated() {
-        for orbits in [0.7, 1.0, 1.5, 3.0] {
-            let reach = 3.0 / f64::min(orbits, 1.0);
-            let points = 512.0 * f64::ceil(orbits);
-            let sets = weights(orbits, reach, points);
-            // Relative to the largest sum of squares, as the bound's term is.
-            let scale = all_of_sinc(0.0, orbits) * orbits * orbits;
-            for three in sets.windows(3) {
-                let bends = (0..three[0].1.len())
-                    .map(|i| (three[0].1[i] - 2.0 * three[1].1[i] + three[2].1[i]).abs());
-                let bend = bends.sum::<f64>() * points * points;
-                assert!(bend < CURVATURE * scale, "{orbits}: {bend} {scale}");
+    fn powers_bend_less_than_stated() {
+        for (years, orbit) in [
+            (0.7, Orbit::CIRCULAR),
+            (1.0, Orbit::CIRCULAR),
+            (1.5, Orbit::CIRCULAR),
+            (3.0, Orbit::CIRCULAR),
+            (1.0, ellipse(1.0)),
+            (3.0, ellipse(3.0)),
+        ] {
+            let motion = Motion { duration_s: years * YEAR_S, ..Motion::year(11_541.0, 1200.0) };
+            let mut survey = Survey::new(motion, &orbit, 0.05, 768.0);
+            survey.points *= 8.0;
+            let mut most = 0.0_f64;
+            for i in 0..200 {
+                let m_star = (40.0 + f64::from(i) * 0.53 * survey.points).round() / survey.points;
+                most = most.max(bend(&mut survey, m_star));
             }
+            assert!(most < CURVATURE * years * years, "{years}: {most}");
         }
     }
 

@@ -16,15 +16,17 @@
 //! The slice with the largest bound is halved until the box passes, some point exceeds the allowance
 //! or [`MOST_SLICES`] are used.
 //!
-//! An orbit whose longitude advances between `1 - r` and `1 + r` times its mean rate spreads a pair
-//! over `m* / (1 +- r)`: there the supremum is the largest P(m) of the band, times the largest sum
-//! of squares `1 / (1 - r)`. A latitude b tilts the pattern and reaches `l_max b` further.
+//! An [`Orbit`] whose longitude advances between `1 - r` and `1 + r` times its mean rate spreads a pair
+//! over `m* / (1 +- r)`, by the coefficients that it computes. A latitude b tilts the pattern: where
+//! `l_max b` is small amplitudes change by that share at most; else the supremum is the largest P(m)
+//! of a band that reaches `l_max b` further.
 //!
 //! Limits: rigorous for the model of [`super::power`], whose terms end 3 m from `m*` (test
 //! `no_point_in_a_passing_box_exceeds_its_bound`).
 
 use super::bound::{Band, Slice, Survey};
 use super::motion::{Motion, MotionError};
+use super::orbit::Orbit;
 use super::power::Predictor;
 use std::f64::consts::TAU;
 use thiserror::Error;
@@ -43,29 +45,6 @@ pub struct Tolerance {
     pub precession_s: f64,
     /// Of the spin period, in seconds.
     pub spin_s: f64,
-}
-
-/// How an orbit departs from a circle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OrbitSpread {
-    /// Largest relative departure of the anti-Sun longitude's rate from its mean.
-    pub rate: f64,
-    /// Largest ecliptic latitude of the anti-Sun direction, in radians.
-    pub latitude_rad: f64,
-}
-
-impl OrbitSpread {
-    /// Uniform longitude.
-    pub const CIRCULAR: Self = Self { rate: 0.0, latitude_rad: 0.0 };
-    /// The Earth's ellipse: `(1 - e)^-2 - 1` with e = 0.0167.
-    pub const ELLIPTIC: Self = Self { rate: 0.0343, latitude_rad: 0.0 };
-
-    /// An orbit about L2 on the ellipse, seen from the Sun within `in_plane_rad` of L2 along the
-    /// ecliptic and `latitude_rad` across; its turns in the plane are 2.09 a year.
-    #[must_use]
-    pub fn about_l2(in_plane_rad: f64, latitude_rad: f64) -> Self {
-        Self { rate: Self::ELLIPTIC.rate + 2.09 * in_plane_rad, latitude_rad }
-    }
 }
 
 /// Why there is no certificate.
@@ -94,9 +73,16 @@ pub enum CertificateError {
         /// Spin period in seconds.
         spin_period_s: f64,
     },
-    /// A rate that varies too much, or a latitude beyond a right angle.
-    #[error("an orbit whose rate varies by {0} of itself cannot be bounded; below 0.5 is needed")]
-    Spread(f64),
+    /// A rate that varies too much, or a latitude beyond a radian.
+    #[error(
+        "an orbit whose rate varies by {rate} of itself and whose latitude reaches {latitude_rad} rad cannot be bounded; below 0.5 and 1 are needed"
+    )]
+    Orbit {
+        /// Relative departure of the rate.
+        rate: f64,
+        /// Latitude in radians.
+        latitude_rad: f64,
+    },
 }
 
 /// The outcome of a check.
@@ -172,18 +158,19 @@ impl Predictor {
         &mut self,
         motion: &Motion,
         tolerance: Tolerance,
-        spread: OrbitSpread,
+        orbit: &Orbit,
         [floor, allowed]: [f64; 2],
     ) -> Result<Certificate, CertificateError> {
         let motion = motion.checked()?;
-        let whole = checked_box(&motion, tolerance, spread)?;
+        let whole = checked_box(&motion, tolerance, orbit)?;
         let nominal = self.predict(&motion);
-        let survey = Survey::new(motion, spread, nominal.smooth_variance, f64::from(self.l_max()));
+        let l_max = f64::from(self.l_max());
+        let mut survey = Survey::new(motion, orbit, nominal.smooth_variance, l_max);
         let limit = (floor * (1.0 + allowed)).powi(2);
         let mut slices = Vec::new();
         let mut refuted = nominal.variance > limit;
         for slice in whole.parts() {
-            slices.push(self.bound(&survey, tolerance, slice));
+            slices.push(self.bound(&mut survey, tolerance, slice));
         }
         while slices.len() < MOST_SLICES {
             slices.sort_by(|a, b| a.variance.total_cmp(&b.variance));
@@ -196,7 +183,7 @@ impl Predictor {
             }
             slices.pop();
             for eta in [[low, middle], [middle, high]] {
-                slices.push(self.bound(&survey, tolerance, Slice { eta, ..top.slice }));
+                slices.push(self.bound(&mut survey, tolerance, Slice { eta, ..top.slice }));
             }
         }
         let bound = slices.iter().fold(0.0_f64, |most, it| most.max(it.variance)).sqrt();
@@ -220,7 +207,7 @@ impl Predictor {
         })
     }
 
-    fn describe(&mut self, survey: &Survey, tolerance: Tolerance, band: Band) -> Worst {
+    fn describe(&mut self, survey: &Survey<'_>, tolerance: Tolerance, band: Band) -> Worst {
         let motion = &survey.motion;
         let [k, j] = band.frequencies;
         let multiple = gcd(k, j).max(1);
@@ -260,7 +247,7 @@ impl Predictor {
 fn checked_box(
     motion: &Motion,
     tolerance: Tolerance,
-    spread: OrbitSpread,
+    orbit: &Orbit,
 ) -> Result<Slice, CertificateError> {
     let (a, b) = (motion.precession_period_s, motion.spin_period_s);
     if b.abs() >= a.abs() {
@@ -274,8 +261,11 @@ fn checked_box(
             return Err(CertificateError::Tolerance { name, tolerance_s, period_s });
         }
     }
-    if !(0.0..0.5).contains(&spread.rate) || !(0.0..1.0).contains(&spread.latitude_rad) {
-        return Err(CertificateError::Spread(spread.rate.max(spread.latitude_rad)));
+    if !(0.0..0.5).contains(&orbit.rate()) || !(0.0..1.0).contains(&orbit.latitude_rad()) {
+        return Err(CertificateError::Orbit {
+            rate: orbit.rate(),
+            latitude_rad: orbit.latitude_rad(),
+        });
     }
     let precession_s = [a - tolerance.precession_s, a + tolerance.precession_s];
     let spin_s = [b - tolerance.spin_s, b + tolerance.spin_s];
@@ -301,6 +291,7 @@ mod tests {
     use super::*;
     use crate::healpix::Nside;
     use crate::resonance::Window;
+    use crate::resonance::orbit::ellipse;
 
     fn litebird() -> Predictor {
         let window = Window::pixel(Nside::new(128).unwrap()).unwrap();
@@ -312,7 +303,7 @@ mod tests {
         let motion = Motion::year(minutes * 60.0, 1200.0);
         let floor = predictor.floor(&motion);
         let tolerance = Tolerance { precession_s, spin_s };
-        predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [floor, 0.01]).unwrap()
+        predictor.certify(&motion, tolerance, &Orbit::CIRCULAR, [floor, 0.01]).unwrap()
     }
 
     #[test]
@@ -374,8 +365,7 @@ mod tests {
                 Tolerance { precession_s: 0.9 * numbers.next(), spin_s: 0.09 * numbers.next() };
             // Any allowance: the bound itself is on trial.
             let limit = [0.25, [0.0, 10.0][number as usize % 2]];
-            let found =
-                predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, limit).unwrap();
+            let found = predictor.certify(&motion, tolerance, &Orbit::CIRCULAR, limit).unwrap();
             passed += u32::from(found.passes);
             for _ in 0..points {
                 let point = Motion {
@@ -417,18 +407,20 @@ mod tests {
     }
 
     #[test]
-    fn an_uneven_orbit_widens_bands() {
+    fn an_uneven_orbit_smears_what_resonates() {
         let mut predictor = litebird();
-        let motion = Motion::year(192.348 * 60.0, 1200.0);
-        let tolerance = Tolerance { precession_s: 0.0, spin_s: 0.0 };
-        let mut bound = 0.0;
-        for spread in
-            [OrbitSpread::CIRCULAR, OrbitSpread::ELLIPTIC, OrbitSpread::about_l2(2e-3, 1e-3)]
-        {
-            let found = predictor.certify(&motion, tolerance, spread, [0.2533, 0.01]).unwrap();
-            assert!(found.sigma_bound > bound, "{found:?}");
-            bound = found.sigma_bound;
-        }
+        let ellipse = ellipse(1.0);
+        let mut bound = |minutes: f64, width: f64, orbit: &Orbit| {
+            let motion = Motion::year(minutes * 60.0, 1200.0);
+            let tolerance = Tolerance { precession_s: width, spin_s: 0.1 * width };
+            predictor.certify(&motion, tolerance, orbit, [0.25325, 0.01]).unwrap()
+        };
+        // On a peak the ellipse helps; a little beside it, it does not.
+        let on_peak = [&Orbit::CIRCULAR, &ellipse].map(|it| bound(192.0825, 0.0, it).sigma_bound);
+        assert!(on_peak[1] < on_peak[0], "{on_peak:?}");
+        let beside = [&Orbit::CIRCULAR, &ellipse].map(|it| bound(192.09, 0.0, it).sigma_bound);
+        assert!(beside[1] > 0.98 * beside[0], "{beside:?}");
+        assert!(bound(192.348, 0.6, &ellipse).passes);
     }
 
     #[test]
@@ -437,7 +429,7 @@ mod tests {
         let mut refused = |a: f64, b: f64, precession_s: f64, spin_s: f64| {
             let tolerance = Tolerance { precession_s, spin_s };
             let motion = Motion::year(a, b);
-            predictor.certify(&motion, tolerance, OrbitSpread::CIRCULAR, [0.25, 0.01]).unwrap_err()
+            predictor.certify(&motion, tolerance, &Orbit::CIRCULAR, [0.25, 0.01]).unwrap_err()
         };
         assert!(matches!(refused(1200.0, 1200.0, 0.0, 0.0), CertificateError::Order { .. }));
         assert!(matches!(refused(0.0, 1200.0, 0.0, 0.0), CertificateError::Motion(_)));

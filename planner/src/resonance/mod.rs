@@ -10,23 +10,26 @@
 //! Method: `docs/resonance.md`; functions in [`wigner`], pixels and beams in [`window`], the sums in
 //! [`power`], [`hemisphere`] for each half of the sky, bounds over tolerances in [`certificate`].
 //!
-//! Limits: uniform rotations on a circular orbit, except where a certificate widens its bands; one
-//! detector on the boresight.
+//! Limits: predictions are those of a circular orbit; certificates follow the real one. One detector
+//! on the boresight.
 
 pub mod wigner;
+mod quadrature;
 pub mod window;
 pub mod motion;
 pub mod power;
 pub mod hemisphere;
+pub mod orbit;
 mod bound;
 pub mod certificate;
 pub mod actuator;
 pub mod recommendation;
 
 pub use actuator::Actuator;
-pub use certificate::{Certificate, CertificateError, OrbitSpread, Tolerance, Worst};
+pub use certificate::{Certificate, CertificateError, Tolerance, Worst};
 pub use hemisphere::Hemispheres;
 pub use motion::{Motion, MotionError};
+pub use orbit::Orbit;
 pub use power::{Prediction, Predictor, Resonance};
 pub use recommendation::{Choice, Demand, Recommendation};
 pub use window::{Window, WindowError};

@@ -17,7 +17,7 @@
 //! Limits: terms dropped add less than [`NEGLIGIBLE`] each to the variance.
 
 use super::motion::Motion;
-use super::wigner::{LANES, MAX_L, fill_wigner_d, squares_at_right_angle, wigner_d};
+use super::wigner::{LANES, MAX_L, RightAngle, fill_wigner_d, wigner_d};
 use super::window::Window;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -27,7 +27,7 @@ pub const NEGLIGIBLE: f64 = 1e-7;
 /// A pair that is left out, by its largest possible power.
 pub(super) const NEGLIGIBLE_PAIR: f64 = 1e-13;
 /// Reach in m for one orbit or more.
-const REACH: f64 = 3.0;
+pub(super) const REACH: f64 = 3.0;
 
 /// What a survey's hits look like.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,14 +83,12 @@ pub(super) struct Pair {
 
 impl Pair {
     /// P(m), m not negative.
-    pub(super) fn power(&mut self, m: usize) -> f64 {
+    fn power(&mut self, m: usize, right_angle: &mut RightAngle) -> f64 {
         match self.powers.get(m) {
             None => 0.0,
             Some(power) if power.is_nan() => {
-                let block = m - m % LANES;
-                let first = i32::try_from(block).unwrap_or(i32::MAX);
-                let sums = squares_at_right_angle(first, self.k, &self.squares);
-                for (power, sum) in self.powers.iter_mut().skip(block).zip(sums) {
+                let sums = right_angle.sums(m / LANES, self.k, &self.squares);
+                for (power, sum) in self.powers.iter_mut().skip(m - m % LANES).zip(sums) {
                     *power = sum;
                 }
                 self.powers.get(m).copied().unwrap_or(0.0)
@@ -118,6 +116,7 @@ pub struct Predictor {
     /// `d^l_j0(beta)` by j, not negative.
     spins: BTreeMap<i32, Vec<f64>>,
     pub(super) pairs: Vec<Pair>,
+    right_angle: RightAngle,
     /// Index of each pair, or that it is negligible; k not negative.
     index: BTreeMap<(i32, i32), Option<usize>>,
     /// Products of two pairs by m, over even and odd l.
@@ -142,6 +141,7 @@ impl Predictor {
             window,
             spins: BTreeMap::new(),
             pairs: Vec::new(),
+            right_angle: RightAngle::default(),
             index: BTreeMap::new(),
             products: BTreeMap::new(),
             rows: BTreeMap::new(),
@@ -257,19 +257,27 @@ impl Predictor {
                 terms.push(Term { m, pair: SMOOTH, conjugate: false, factor });
             }
         }
+        let step = from_polar(-PI * orbits - phi_o);
+        let mut sizes = Vec::new();
         for pair in self.pairs_standing(motion, f64::from(l_max) + reach, |_, _| 0.0) {
             let (k, j) = (self.pairs[pair].k, self.pairs[pair].j);
-            for conjugate in [false, true] {
-                let sign = if conjugate { -1.0 } else { 1.0 };
-                let m_star = sign * motion.standing(k, j);
-                let scale = tail_scale(m_star, orbits, reach);
-                let phase = sign * (f64::from(k) * phi_a + f64::from(j) * phi_b);
-                for m in span(m_star, reach, l_max) {
-                    let nu = (f64::from(m) - m_star) * orbits;
-                    let size = scale * sinc(PI * nu);
-                    let (s, c) = (-PI * nu - f64::from(m) * phi_o - phase).sin_cos();
-                    terms.push(Term { m, pair, conjugate, factor: [size * c, size * s] });
+            let m_star = motion.standing(k, j);
+            let phase = f64::from(k) * phi_a + f64::from(j) * phi_b;
+            coefficients(&mut sizes, m_star, orbits, reach);
+            let first = m_star.round() - reach.ceil();
+            let start = -PI * orbits * (first - m_star) - phi_o * first - phase;
+            let mut factor = from_polar(start);
+            for (m, size) in whole_from(first).zip(&sizes) {
+                // A conjugate's term at -m is the conjugate.
+                if (0..=l_max).contains(&m) {
+                    let factor = factor.map(|it| it * size);
+                    terms.push(Term { m, pair, conjugate: false, factor });
                 }
+                if (-l_max..=0).contains(&m) {
+                    let factor = [factor[0] * size, -factor[1] * size];
+                    terms.push(Term { m: -m, pair, conjugate: true, factor });
+                }
+                factor = times(factor, step);
             }
         }
         terms.sort_by_key(|term| (term.m, term.pair, term.conjugate));
@@ -318,8 +326,9 @@ impl Predictor {
         }
     }
 
+    /// P(|m|) of a pair.
     pub(super) fn pair_power(&mut self, pair: usize, m: i32) -> f64 {
-        self.pairs[pair].power(m.unsigned_abs() as usize)
+        self.pairs[pair].power(m.unsigned_abs() as usize, &mut self.right_angle)
     }
 
     /// `sum_l` of the product of two terms' real amplitudes at the same m.
@@ -350,12 +359,18 @@ impl Predictor {
             }
         }
         let row = |pair| self.rows.get(&(m, pair)).map_or(&[][..], Vec::as_slice);
-        let mut parts = [0.0; 2];
-        for (a, b) in row(a).chunks(2).zip(row(b).chunks(2)) {
-            for (part, (a, b)) in parts.iter_mut().zip(a.iter().zip(b)) {
-                *part += a * b;
+        let (whole, rest) = row(a).as_chunks::<8>();
+        let (other, other_rest) = row(b).as_chunks::<8>();
+        let mut sums = [0.0; 8];
+        for (a, b) in whole.iter().zip(other) {
+            for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+                *sum += a * b;
             }
         }
+        for (sum, (a, b)) in sums.iter_mut().zip(rest.iter().zip(other_rest)) {
+            *sum += a * b;
+        }
+        let parts = [0, 1].map(|odd| sums.iter().skip(odd).step_by(2).sum());
         self.products.insert(key, parts);
         parts
     }
@@ -384,26 +399,47 @@ fn visible(alpha_rad: f64, beta_rad: f64, [k, j, l_max]: [i32; 3]) -> bool {
     turning <= room * l * alpha_rad.sin() + 8.0 && j.abs() <= room * l * beta_rad.sin() + 8.0
 }
 
-/// Whole m from 0 to `l_max` within `reach` of `round(m*)`.
-fn span(m_star: f64, reach: f64, l_max: i32) -> std::ops::RangeInclusive<i32> {
-    let low = (m_star.round() - reach.ceil()).max(0.0).min(f64::from(l_max) + 1.0);
-    let high = (m_star.round() + reach.ceil()).max(-1.0).min(f64::from(l_max));
-    #[expect(clippy::cast_possible_truncation, reason = "within -1 to l_max + 1")]
-    let (low, high) = (low as i32, high as i32);
-    low..=high
+/// `exp(i phase)`.
+fn from_polar(phase: f64) -> [f64; 2] {
+    let (sin, cos) = phase.sin_cos();
+    [cos, sin]
 }
 
-/// `sqrt(S / S_kept)`.
-fn tail_scale(m_star: f64, orbits: f64, reach: f64) -> f64 {
-    let (whole, reach) = (m_star.round(), reach.ceil());
+fn times([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a * c - b * d, a * d + b * c]
+}
+
+/// Whole numbers upwards.
+fn whole_from(first: f64) -> impl Iterator<Item = i32> {
+    #[expect(clippy::cast_possible_truncation, reason = "a few degrees beyond l_max")]
+    let first = first as i32;
+    first..
+}
+
+/// `sqrt(S / S_kept) sinc(pi N_o (m - m*))` for m from `round(m*) - reach` to `round(m*) + reach`.
+fn coefficients(sizes: &mut Vec<f64>, m_star: f64, orbits: f64, reach: f64) {
+    sizes.clear();
+    let reach = reach.ceil();
+    let mut x = PI * orbits * (m_star.round() - reach - m_star);
+    let mut phasor = from_polar(x);
+    let turn = from_polar(PI * orbits);
     let mut kept = 0.0;
     let mut m = -reach;
     while m <= reach {
-        kept += sinc(PI * (whole + m - m_star) * orbits).powi(2);
+        let size = if x.abs() < 1e-3 { sinc(x) } else { phasor[1] / x };
+        kept += size * size;
+        sizes.push(size);
+        phasor = times(phasor, turn);
+        x += PI * orbits;
         m += 1.0;
     }
     // Where nothing is kept, at the sinc's zeros, nothing is scaled.
-    if kept < 1e-6 { 1.0 } else { (all_of_sinc(m_star, orbits) / kept).max(0.0).sqrt() }
+    if kept >= 1e-6 {
+        let scale = (all_of_sinc(m_star, orbits) / kept).max(0.0).sqrt();
+        for size in sizes {
+            *size *= scale;
+        }
+    }
 }
 
 /// `S`, the sum over all m of `sinc^2(pi N_o (m - m*))`.

@@ -12,8 +12,9 @@
 //! Limits: a scan's ranks stand for the bounds', so that a candidate off the short list may be
 //! better by less than the bounds exceed the predictions.
 
-use super::certificate::{Certificate, CertificateError, OrbitSpread, Tolerance};
+use super::certificate::{Certificate, CertificateError, Tolerance};
 use super::motion::Motion;
+use super::orbit::Orbit;
 use super::power::Predictor;
 
 /// Candidates of either rank that are certified.
@@ -48,12 +49,12 @@ pub struct Recommendation {
 }
 
 /// What a choice must meet.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Demand {
     /// Of the two periods.
     pub tolerance: Tolerance,
     /// The orbit.
-    pub spread: OrbitSpread,
+    pub orbit: Orbit,
     /// Allowed excess over the floor.
     pub allowed: f64,
 }
@@ -127,7 +128,7 @@ impl Predictor {
                 precession_s: factor * demand.tolerance.precession_s,
                 spin_s: factor * demand.tolerance.spin_s,
             };
-            self.certify(motion, tolerance, demand.spread, limit)
+            self.certify(motion, tolerance, &demand.orbit, limit)
         };
         let certificate = passes(1.0)?;
         let (mut low, mut high) =
@@ -169,7 +170,7 @@ mod tests {
         let candidates: Vec<f64> = (0..=50).map(|i| (192.0 + 0.02 * f64::from(i)) * 60.0).collect();
         let demand = Demand {
             tolerance: Tolerance { precession_s: 0.3, spin_s: 0.03 },
-            spread: OrbitSpread::CIRCULAR,
+            orbit: Orbit::CIRCULAR,
             allowed: 0.01,
         };
         let found = predictor.recommend(&motion, &candidates, &demand).unwrap().unwrap();

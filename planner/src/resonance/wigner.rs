@@ -16,7 +16,8 @@
 //! Limits: relative error below 1e-11 where |d| exceeds 1e-6, l to [`MAX_L`] (test
 //! `meets_values_of_high_precision`).
 
-use std::f64::consts::LN_2;
+use pulp::{Arch, NullaryFnOnce};
+use std::f64::consts::{FRAC_PI_2, LN_2};
 
 /// Largest l.
 pub const MAX_L: usize = 2048;
@@ -112,9 +113,10 @@ pub fn fill_wigner_d(m: i32, n: i32, beta_rad: f64, row: &mut [f64]) {
     for value in row.iter_mut().skip(first) {
         *value = (0..now.units).fold(now.x, |x, _| x * UNIT);
         let next = l + 1.0;
-        let step = ((next * next - mm) * (next * next - nn)).sqrt() / next;
+        let root = ((next * next - mm) * (next * next - nn)).sqrt();
+        let (step, inverse) = (root / next, next / root);
         let coupling = if product == 0.0 { 0.0 } else { product / (l * next) };
-        let above = ((2.0 * l + 1.0) * (cos - coupling) * now.x - step_below * before) / step;
+        let above = ((2.0 * l + 1.0) * (cos - coupling) * now.x - step_below * before) * inverse;
         (before, now.x) = (now.x, above);
         if now.units > 0 && now.x.abs() > LARGE {
             before *= UNIT;
@@ -125,72 +127,148 @@ pub fn fill_wigner_d(m: i32, n: i32, beta_rad: f64, row: &mut [f64]) {
     }
 }
 
-/// Values of m that [`squares_at_right_angle`] takes at a time.
-pub(super) const LANES: usize = 8;
+/// Values of m that [`RightAngle`] takes at a time.
+pub(super) const LANES: usize = 16;
 
-/// `sum_l weights[l] d^l_mk(90 deg)^2` for [`LANES`] consecutive m from `m_first`, all at most the
-/// last l of `weights`.
-pub(super) fn squares_at_right_angle(m_first: i32, k: i32, weights: &[f64]) -> [f64; LANES] {
-    let lane_m: [i32; LANES] =
-        std::array::from_fn(|lane| m_first + i32::try_from(lane).unwrap_or(0));
-    let starts = lane_m.map(|m| m.max(k));
-    let last_start = starts[LANES - 1];
-    let first = usize::try_from(starts[0]).unwrap_or(usize::MAX);
-    let mut sums = [0.0; LANES];
-    let (mut now, mut before) = ([0.0; LANES], [0.0; LANES]);
-    let mut units = [0_u32; LANES];
-    let mut scaled = 0;
-    let mm = lane_m.map(|m| f64::from(m) * f64::from(m));
-    let kk = f64::from(k) * f64::from(k);
-    let product = lane_m.map(|m| -f64::from(m) * f64::from(k));
-    let mut step_below = [0.0; LANES];
-    let mut l = f64::from(starts[0]);
-    for (at, &weight) in weights.iter().enumerate().skip(first) {
-        let at = i32::try_from(at).unwrap_or(i32::MAX);
-        if at <= last_start {
+/// `1 / sqrt((l + 1)^2 - m^2)` for [`LANES`] consecutive m, by l; 0 where m exceeds l.
+type InverseRoots = Vec<[f64; LANES]>;
+
+/// Sums of squares of `d^l_mk(90 deg)` over l.
+#[derive(Debug, Clone, Default)]
+pub(super) struct RightAngle {
+    /// By the first m over [`LANES`], once known.
+    roots: Vec<Option<InverseRoots>>,
+}
+
+impl RightAngle {
+    /// `sum_l weights[l] d^l_mk(90 deg)^2` for [`LANES`] consecutive m from `LANES block`, those
+    /// beyond the last l zero; k not negative.
+    pub(super) fn sums(&mut self, block: usize, k: i32, weights: &[f64]) -> [f64; LANES] {
+        if self.roots.len() <= block {
+            self.roots.resize(block + 1, None);
+        }
+        let first_m = i32::try_from(LANES * block).unwrap_or(i32::MAX);
+        let roots = self.roots[block].get_or_insert_with(|| Vec::with_capacity(weights.len()));
+        while roots.len() < weights.len() {
+            let next = u32::try_from(roots.len() + 1).map_or(f64::NAN, f64::from);
+            roots.push(std::array::from_fn(|lane| {
+                let m = f64::from(first_m) + f64::from(u8::try_from(lane).unwrap_or(0));
+                if m < next { (next * next - m * m).sqrt().recip() } else { 0.0 }
+            }));
+        }
+        Arch::new().dispatch(Squares { first_m, k, weights, roots })
+    }
+}
+
+struct Squares<'r> {
+    first_m: i32,
+    k: i32,
+    weights: &'r [f64],
+    roots: &'r [[f64; LANES]],
+}
+
+impl NullaryFnOnce for Squares<'_> {
+    type Output = [f64; LANES];
+
+    /// All operations on all lanes alike, so that results are the same on every instruction set.
+    #[expect(clippy::inline_always, reason = "compiled for each instruction set")]
+    #[inline(always)]
+    fn call(self) -> [f64; LANES] {
+        let Self { first_m, k, weights, roots } = self;
+        let lane_m: [i32; LANES] =
+            std::array::from_fn(|lane| first_m + i32::try_from(lane).unwrap_or(0));
+        let mut lanes = Lanes::default();
+        let starts = lane_m.map(|m| m.max(k));
+        let (first, last) = (starts[0], starts[LANES - 1]);
+        let mm = lane_m.map(|m| f64::from(m) * f64::from(m));
+        let product = lane_m.map(|m| -f64::from(m) * f64::from(k));
+        let kk = f64::from(k) * f64::from(k);
+        let mut at = first;
+        let mut rows = weights.iter().zip(roots).skip(usize::try_from(first).unwrap_or(usize::MAX));
+        // Some lanes have not started, or are scaled.
+        for (&weight, inverse) in rows.by_ref() {
             for lane in 0..LANES {
                 if at == starts[lane] {
-                    let value = first_value(lane_m[lane], k, std::f64::consts::FRAC_PI_2);
-                    (now[lane], units[lane]) = (value.x, value.units);
-                    (before[lane], step_below[lane]) = (0.0, 0.0);
-                    scaled += u32::from(value.units > 0);
+                    lanes.start(lane, first_value(lane_m[lane], k, FRAC_PI_2));
                 }
             }
-        }
-        if scaled == 0 {
-            for lane in 0..LANES {
-                sums[lane] += weight * now[lane] * now[lane];
-            }
-        } else {
-            for lane in 0..LANES {
-                if units[lane] == 0 {
-                    sums[lane] += weight * now[lane] * now[lane];
-                } else if now[lane].abs() > LARGE {
-                    now[lane] *= UNIT;
-                    before[lane] *= UNIT;
-                    units[lane] -= 1;
-                    scaled -= u32::from(units[lane] == 0);
-                    if units[lane] == 0 {
-                        sums[lane] += weight * now[lane] * now[lane];
-                    }
-                }
+            lanes.weigh(weight);
+            lanes.step(at, &mm, kk, &product, inverse);
+            at += 1;
+            if at > last && lanes.scaled == 0 {
+                break;
             }
         }
-        let next = l + 1.0;
-        let (next_squared, per_next) = (next * next, 1.0 / next);
-        let common = (2.0 * l + 1.0) / (l * next).max(1.0);
-        let square_k = next_squared - kk;
-        for lane in 0..LANES {
-            // Lanes that have not started hold zeros; any finite step will do for them.
-            let root = ((next_squared - mm[lane]) * square_k).max(1.0).sqrt();
-            let above = common * product[lane] * now[lane] - step_below[lane] * before[lane];
-            before[lane] = now[lane];
-            now[lane] = above * next / root;
-            step_below[lane] = root * per_next;
+        for (&weight, inverse) in rows {
+            for lane in 0..LANES {
+                lanes.sums[lane] += weight * (lanes.now[lane] * lanes.now[lane]);
+            }
+            lanes.step(at, &mm, kk, &product, inverse);
+            at += 1;
         }
-        l = next;
+        lanes.sums
     }
-    sums
+}
+
+#[derive(Default)]
+struct Lanes {
+    now: [f64; LANES],
+    /// The value before times `S_l`.
+    below: [f64; LANES],
+    sums: [f64; LANES],
+    units: [u32; LANES],
+    /// Lanes whose units are not zero.
+    scaled: u32,
+}
+
+impl Lanes {
+    fn start(&mut self, lane: usize, value: Scaled) {
+        (self.now[lane], self.units[lane]) = (value.x, value.units);
+        self.below[lane] = 0.0;
+        self.scaled += u32::from(value.units > 0);
+    }
+
+    #[expect(clippy::inline_always, reason = "compiled for each instruction set")]
+    #[inline(always)]
+    fn weigh(&mut self, weight: f64) {
+        for lane in 0..LANES {
+            if self.units[lane] > 0 && self.now[lane].abs() > LARGE {
+                self.now[lane] *= UNIT;
+                self.below[lane] *= UNIT;
+                self.units[lane] -= 1;
+                self.scaled -= u32::from(self.units[lane] == 0);
+            }
+            if self.units[lane] == 0 {
+                self.sums[lane] += weight * (self.now[lane] * self.now[lane]);
+            }
+        }
+    }
+
+    /// From l to l + 1. Lanes that have not started hold zeros.
+    #[expect(clippy::inline_always, reason = "compiled for each instruction set")]
+    #[inline(always)]
+    fn step(
+        &mut self,
+        l: i32,
+        mm: &[f64; LANES],
+        kk: f64,
+        product: &[f64; LANES],
+        inverse: &[f64; LANES],
+    ) {
+        let l = f64::from(l);
+        let next = l + 1.0;
+        let common = (2.0 * l + 1.0) / (l * next).max(1.0);
+        let squares = next * next;
+        let root_k = (squares - kk).sqrt();
+        let (up, down) = (next / root_k, root_k / next);
+        for lane in 0..LANES {
+            let now = self.now[lane];
+            let above = (common * product[lane] * now - self.below[lane]) * (up * inverse[lane]);
+            // S_(l+1) = sqrt((l+1)^2 - m^2) sqrt((l+1)^2 - k^2) / (l+1)
+            self.below[lane] = (squares - mm[lane]) * inverse[lane] * down * now;
+            self.now[lane] = above;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -267,11 +345,13 @@ mod tests {
 
     #[test]
     fn lanes_sum_the_squares_of_rows() {
-        for (m_first, k, l_max) in [(0, 0, 90), (0, 48, 300), (41, 48, 300), (1200, 1100, 2048)] {
+        for (block, k, l_max) in [(0, 0, 90), (0, 48, 300), (3, 48, 300), (75, 1100, 2048)] {
             let weights: Vec<f64> = (0_u32..=l_max).map(|l| 1.0 / (1.0 + f64::from(l))).collect();
-            let sums = squares_at_right_angle(m_first, k, &weights);
-            for (m, sum) in (m_first..).zip(sums) {
-                let row = wigner_d(m, k, std::f64::consts::FRAC_PI_2, l_max as usize);
+            let mut right_angle = RightAngle::default();
+            let sums = right_angle.sums(block, k, &weights);
+            let first = i32::try_from(block * LANES).unwrap();
+            for (m, sum) in (first..).zip(sums) {
+                let row = wigner_d(m, k, FRAC_PI_2, l_max as usize);
                 let expected: f64 = row.iter().zip(&weights).map(|(d, w)| w * d * d).sum();
                 assert!((sum - expected).abs() < 1e-12, "{m} {k}: {sum:e} {expected:e}");
             }

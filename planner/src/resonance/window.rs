@@ -22,6 +22,7 @@
 //! true pixels `w_l` is off by less than 0.02 at nside 1 and 2e-3 at 8, falling with nside (test
 //! `meets_pair_averages_over_true_pixels`).
 
+use super::quadrature::gauss_legendre;
 use super::wigner::MAX_L;
 use crate::healpix::Nside;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, LN_2, PI};
@@ -133,25 +134,6 @@ fn shapes() -> Vec<Shape> {
         }
     }
     shapes
-}
-
-/// Nodes and weights on 0 to 1.
-fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
-    let node = |i: u32| {
-        let mut x = (PI * (f64::from(i) + 0.75) / (f64::from(order) + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..8 {
-            let (mut below, mut now) = (1.0, x);
-            for n in 1..order {
-                let n = f64::from(n);
-                (below, now) = (now, ((2.0 * n + 1.0) * x * now - n * below) / (n + 1.0));
-            }
-            slope = f64::from(order) * (x * now - below) / (x * x - 1.0);
-            x -= now / slope;
-        }
-        (f64::midpoint(x, 1.0), 1.0 / ((1.0 - x * x) * slope * slope))
-    };
-    (0..order).map(node).collect()
 }
 
 fn sinc(x: f64) -> f64 {
