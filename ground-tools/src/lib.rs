@@ -34,6 +34,8 @@ pub mod memory;
 pub mod survey_input;
 pub mod survey_report;
 pub mod survey_products;
+pub mod resonance_check;
+pub mod resonance_figure;
 pub mod vectors;
 pub mod history;
 pub mod scan_fit;

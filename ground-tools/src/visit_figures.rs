@@ -12,7 +12,7 @@
 //! Limits: at most [`MOST_PAIRS`] places and lines of sight.
 
 use crate::failure::Failure;
-use crate::picture::{self, Axis, Chart, Drawing, Scale, Series, Shape};
+use crate::picture::{self, Axis, Chart, Drawing, Figure, Scale, Series, Shape};
 use crate::sightline::NONE;
 use crate::visit_report::{Bars, Mark, Report, Told, name, span, unit};
 use rayon::prelude::*;
@@ -37,15 +37,6 @@ pub struct Setting<'a> {
     pub counted: &'a str,
     /// Periods that are marked.
     pub marks: &'a [Mark],
-}
-
-/// A drawing and the stem of its file's name.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Figure {
-    /// The file's name without its extension.
-    pub stem: String,
-    /// What is drawn.
-    pub drawing: Drawing,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -207,6 +198,7 @@ fn draw(
             shape: Shape::Histogram { edges: &edges, counts: &counts },
         }],
         marks: &marks,
+        bands: &[],
         width_px: WIDTH_PX,
         height_px: HEIGHT_PX,
     };

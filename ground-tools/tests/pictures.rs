@@ -303,7 +303,7 @@ fn odd_charts_are_drawn_or_told() {
                 x: axis(scale),
                 y: axis(scale),
                 series: &[Series { name: "", shape: Shape::Line(points) }],
-                marks: &[Mark { at: f64::NAN, name: "nowhere" }],
+                marks: &[Mark { at: f64::NAN, bands: &[], name: "nowhere" }],
                 width_px: 200,
                 height_px: 150,
             })
@@ -320,6 +320,7 @@ fn odd_charts_are_drawn_or_told() {
         y: axis(Scale::Linear),
         series: &[Series { name: "flat", shape }],
         marks: &[],
+        bands: &[],
         width_px: 400,
         height_px: 300,
     })

@@ -47,6 +47,8 @@ pub enum Verb {
     Visits(VisitsArgs),
     /// Hits and cross-link moments of each pixel of the sky: numbers, maps, pictures
     Survey(SurveyArgs),
+    /// Moire resonance of precession, spin and orbit: a bound over the tolerances, pass or fail
+    Resonance(ResonanceArgs),
     /// Test vectors for flight code: attitudes, directions, plate angles, transits
     Vectors(VectorsArgs),
     /// An attitude history against the mission: residuals, fitted periods and phases, outliers

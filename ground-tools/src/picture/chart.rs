@@ -56,6 +56,15 @@ pub struct Mark<'a> {
     pub name: &'a str,
 }
 
+/// A range of the x axis, shaded, with a name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band<'a> {
+    /// Its ends on the x axis.
+    pub range: (f64, f64),
+    /// Its name.
+    pub name: &'a str,
+}
+
 /// A chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chart<'a> {
@@ -69,11 +78,16 @@ pub struct Chart<'a> {
     pub series: &'a [Series<'a>],
     /// Vertical lines.
     pub marks: &'a [Mark<'a>],
+    /// Shaded ranges, under everything.
+    pub bands: &'a [Band<'a>],
     /// Width in pixels.
     pub width_px: u32,
     /// Height in pixels.
     pub height_px: u32,
 }
+
+/// Colour of bands.
+const SHADE: &str = "#e0a030";
 
 /// Draws a chart.
 ///
@@ -113,7 +127,17 @@ pub fn chart(chart: &Chart) -> Result<Drawing, PictureError> {
         .filter(|mark| (-1e-9..=1.0 + 1e-9).contains(&x_span.place(mark.at)))
         .collect();
     let at = |mark: &Mark| left + (right - left) * x_span.place(mark.at);
-    top += mark_names(&mut canvas, &marks, at, (top, width, size));
+    let shaded: Vec<(Band, (f64, f64))> = (chart.bands.iter())
+        .map(|band| {
+            (*band, (x_span.place(band.range.0).max(0.0), x_span.place(band.range.1).min(1.0)))
+        })
+        .filter(|(_, (low, high))| low <= high)
+        .collect();
+    let middles = shaded
+        .iter()
+        .map(|(band, _)| Mark { at: f64::midpoint(band.range.0, band.range.1), name: band.name });
+    let named: Vec<Mark> = marks.iter().copied().chain(middles).collect();
+    top += mark_names(&mut canvas, &named, at, (top, width, size));
     let bottom = (height - 3.6 * size).max(top + 20.0 * unit);
     let plot = Plot {
         place: Rectangle { x: left, y: top, width: right - left, height: bottom - top },
@@ -127,6 +151,13 @@ pub fn chart(chart: &Chart) -> Result<Drawing, PictureError> {
         "axes",
         &format!("<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{w:.2}\" height=\"{h:.2}\"/>"),
     );
+    for (_, (low, high)) in &shaded {
+        let across = |share: f64| x + w * share;
+        // At least a line.
+        let (low, high) = (across(*low), across(*high).max(across(*low) + unit));
+        let corners = [(low, y), (high, y), (high, y + h), (low, y + h)];
+        canvas.fill(&path(corners.into_iter()), SHADE, 0.3);
+    }
     for (number, series) in chart.series.iter().enumerate() {
         plot.series(&mut canvas, series.shape, stroke(number, unit));
     }

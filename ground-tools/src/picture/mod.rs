@@ -13,6 +13,7 @@
 mod canvas;
 mod chart;
 mod colour;
+mod figure;
 mod font;
 mod graticule;
 mod legend;
@@ -22,8 +23,9 @@ mod render;
 mod sky;
 mod ticks;
 
-pub use chart::{Axis, Chart, Mark, Series, Shape, chart};
+pub use chart::{Axis, Band, Chart, Mark, Series, Shape, chart};
 pub use colour::{ColourMap, Range, Scale};
+pub use figure::{Figure, write_figures};
 pub use projection::View;
 pub use sky::{SkyMap, SkyPicture, Track, sky_picture};
 

@@ -6,6 +6,7 @@ mod pointing;
 mod transits;
 mod visits;
 mod survey;
+mod resonance;
 mod vectors;
 mod verify;
 mod table;
@@ -35,6 +36,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Transits(arguments) => transits::run(shared, arguments),
         Verb::Visits(arguments) => visits::run(shared, arguments),
         Verb::Survey(arguments) => survey::run(shared, arguments),
+        Verb::Resonance(arguments) => resonance::run(shared, arguments),
         Verb::Vectors(arguments) => vectors::run(shared, arguments),
         Verb::Verify(arguments) => verify::run(shared, arguments),
         Verb::Table(verb) => table::run(shared, verb),

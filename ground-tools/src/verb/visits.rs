@@ -8,14 +8,15 @@ use super::{mission, print_json, sink, tell};
 use crate::cli::{Format, SharedArgs, VisitsArgs};
 use crate::failure::Failure;
 use crate::number::Number;
-use crate::output::{Sink, write_folder};
+use crate::output::Sink;
 use crate::passes::search;
+use crate::picture::write_figures;
 use crate::places::{FixedPlace, Numbering, PlaceShape, direction};
 use crate::provenance::Provenance;
 use crate::quantity;
 use crate::rows::{self, Layout};
 use crate::sightline::{SightLine, select};
-use crate::visit_figures::{self, Figure, Setting};
+use crate::visit_figures::{self, Setting};
 use crate::visit_report::{Mark, Report, marks, text};
 use crate::world::World;
 use ephem::time::format_tdb;
@@ -31,7 +32,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write;
 use std::num::NonZeroU64;
-use std::path::Path;
 
 const COLUMNS: [&str; 11] = [
     "target",
@@ -130,7 +130,10 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Fai
     let marks = marks(&world);
     let figures = if drawn {
         let setting = Setting { mission: &world.mission.name, counted: &counted, marks: &marks };
-        write_figures(arguments, &visit_figures::figures(&setting, &reports)?)?
+        write_figures(
+            [arguments.png.as_deref(), arguments.svg.as_deref()],
+            &visit_figures::figures(&setting, &reports)?,
+        )?
     } else {
         Vec::new()
     };
@@ -154,38 +157,6 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Fai
         }
         tell(shared, &text)
     }
-}
-
-/// Names and contents.
-type Files = Vec<(String, Vec<u8>)>;
-
-/// Writes the figures where they are asked for, each folder whole; names what was written.
-fn write_figures(arguments: &VisitsArgs, figures: &[Figure]) -> Result<Vec<String>, Failure> {
-    let png = |figure: &Figure| figure.drawing.png().map_err(Failure::from);
-    let svg = |figure: &Figure| Ok(figure.drawing.svg().as_bytes().to_vec());
-    let files = |extension: &str, bytes: &(dyn Fn(&Figure) -> Result<Vec<u8>, Failure> + Sync)| {
-        let file = |figure: &Figure| Ok((format!("{}.{extension}", figure.stem), bytes(figure)?));
-        figures.par_iter().map(file).collect::<Result<Vec<_>, Failure>>()
-    };
-    let mut folders: Vec<(&Path, Files)> = Vec::new();
-    if let Some(folder) = &arguments.png {
-        folders.push((folder, files("png", &png)?));
-    }
-    if let Some(folder) = &arguments.svg {
-        let drawn = files("svg", &svg)?;
-        match folders.iter_mut().find(|(other, _)| other == folder) {
-            Some((_, files)) => files.extend(drawn),
-            None => folders.push((folder, drawn)),
-        }
-    }
-    let mut written = Vec::new();
-    for (folder, files) in &folders {
-        let files: Vec<(&str, &[u8])> =
-            files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice())).collect();
-        write_folder(folder, &files)?;
-        written.extend(files.iter().map(|(name, _)| folder.join(name).display().to_string()));
-    }
-    Ok(written)
 }
 
 fn date(at: Instant) -> String {

@@ -27,7 +27,7 @@
 use super::bound::{Band, Slice, Survey};
 use super::motion::{Motion, MotionError};
 use super::orbit::Orbit;
-use super::power::Predictor;
+use super::power::{Predictor, gcd};
 use std::f64::consts::TAU;
 use thiserror::Error;
 
@@ -276,14 +276,6 @@ fn checked_box(
         }
     }
     Ok(Slice { eta, precession_s })
-}
-
-fn gcd(a: i32, b: i32) -> i32 {
-    let (mut a, mut b) = (a.abs(), b.abs());
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }
 
 #[cfg(test)]

@@ -67,6 +67,15 @@ pub struct Resonance {
     pub power: f64,
 }
 
+impl Resonance {
+    /// `p / q` in lowest terms, not negative: p precessions beat with q spins.
+    #[must_use]
+    pub fn fraction(&self) -> [i32; 2] {
+        let common = gcd(self.k, self.j).max(1);
+        [self.k / common, self.j.abs() / common]
+    }
+}
+
 /// A pair's degrees.
 #[derive(Debug, Clone)]
 pub(super) struct Pair {
@@ -440,6 +449,15 @@ fn coefficients(sizes: &mut Vec<f64>, m_star: f64, orbits: f64, reach: f64) {
             *size *= scale;
         }
     }
+}
+
+/// The greatest common divisor, not negative.
+pub(super) fn gcd(a: i32, b: i32) -> i32 {
+    let (mut a, mut b) = (a.abs(), b.abs());
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
 }
 
 /// `S`, the sum over all m of `sinc^2(pi N_o (m - m*))`.

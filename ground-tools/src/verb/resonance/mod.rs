@@ -1,0 +1,303 @@
+//! `gyrfalcon resonance`: do precession, spin and orbit beat on the sky, within tolerance.
+//!
+//! The check covers a year, or the mission where it is shorter, unless `--duration` says otherwise.
+//! With `--scan` rows of predictions are written; they are not judged unless `--json` or a figure is
+//! asked for.
+
+mod options;
+
+use super::{deliver, mission, print_json, sink, tell};
+use crate::cli::{ResonanceArgs, SharedArgs};
+use crate::failure::Failure;
+use crate::output::Sink;
+use crate::picture::{Figure, write_figures};
+use crate::provenance::Provenance;
+use crate::resonance_check::{Checked, ResonanceCheck};
+use crate::resonance_figure::{Point, figure};
+use crate::world::World;
+use options::{Actuators, Periods};
+use planner::resonance::actuator::tolerance_after;
+use planner::resonance::{CertificateError, Choice, Recommendation, Tolerance};
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+const COLUMNS: [&str; 5] = ["precession_period_min", "sigma_predicted", "p", "q", "m"];
+/// Halvings of the time after which the rates have drifted out.
+const HALVINGS: u32 = 24;
+/// Times after a correction that are tried, in seconds: ten years.
+const LONGEST_S: f64 = 3.155_76e8;
+/// Points of a figure without a scan.
+const FIGURE_POINTS: u32 = 400;
+
+/// A row of a scan.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Row {
+    precession_period_min: f64,
+    sigma_predicted: f64,
+    p: Option<i32>,
+    q: Option<i32>,
+    m: Option<i32>,
+}
+
+pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), Failure> {
+    let window = options::window(arguments)?;
+    let allowed = options::allowed(&arguments.allow)?;
+    let tolerance = arguments.tolerance.as_deref().map(options::tolerance).transpose()?;
+    let actuators = Actuators::read(&arguments.actuators)?;
+    let scan = arguments.scan.as_deref().map(Periods::scan).transpose()?;
+    let mut world = World::open(mission(shared)?, shared.ephemeris.as_deref())?;
+    world.targets.clear();
+    let span_s = world.end.since(world.start).seconds();
+    let duration_s = shared.duration.is_some().then_some(span_s);
+    let mut check = ResonanceCheck::new(&world, window, duration_s)?;
+    check.demand.allowed = allowed;
+    if let Some(tolerance) = tolerance {
+        check.demand.tolerance = tolerance;
+    }
+    if let Some(it) = &actuators {
+        let since_s = it.correct_every_s;
+        check.demand.tolerance = tolerance_after(&check.motion, &it.precession, &it.spin, since_s);
+    }
+    let candidates = options::candidates(arguments, &check.motion, actuators.as_ref())?;
+    let candidates = candidates.unwrap_or_else(|| check.nearby());
+    let spin_min = check.motion.spin_period_s.abs() / 60.0;
+    if let (Some(periods), Some(text)) = (&scan, &arguments.scan) {
+        let shortest = periods.minutes().next().unwrap_or(0.0);
+        if shortest <= spin_min {
+            return Err(Failure::Input(format!(
+                "--scan {text}: precession periods above the spin period, {spin_min} min, are needed"
+            )));
+        }
+    }
+    let points: Vec<Point> =
+        scan.iter().flat_map(Periods::minutes).map(|minutes| point(&mut check, minutes)).collect();
+    let provenance = Provenance::of(&world);
+    let drawn = arguments.png.is_some() || arguments.svg.is_some();
+    if scan.is_some() && !shared.json && !drawn {
+        return rows(shared, &points, &provenance);
+    }
+
+    let checked = check.certify().map_err(Failure::input)?;
+    let recommended = check.recommend(&candidates).map_err(Failure::input)?;
+    let lasting = actuators.map(|it| lasting(&mut check, &checked, &it)).transpose()?;
+    if scan.is_some() && !(shared.json && sink(shared) == Sink::Stdout) {
+        rows(shared, &points, &provenance)?;
+    }
+    let mut files = Vec::new();
+    if drawn {
+        let points = if points.len() > 1 { points } else { around(&mut check, &checked) };
+        let title = format!(
+            "{}: hits of {:.2} d at {}",
+            world.mission.name,
+            checked.motion.duration_s / 86_400.0,
+            options::scale(arguments)
+        );
+        let drawing = figure(&title, &points, &checked, recommended.as_ref())?;
+        let figures = [Figure { stem: "resonance".to_owned(), drawing }];
+        files = write_figures([arguments.png.as_deref(), arguments.svg.as_deref()], &figures)?;
+    }
+    let report =
+        Report { world: &world, checked: &checked, recommended: recommended.as_ref(), lasting };
+    if shared.json {
+        print_json(&report.json(&provenance, &files)?)?;
+    } else if scan.is_none() {
+        tell(shared, &report.text(&options::scale(arguments), &files))?;
+    }
+    if checked.certificate.passes {
+        Ok(())
+    } else {
+        Err(Failure::Check(format!("{}: resonance: {}", world.mission.name, checked.sentence())))
+    }
+}
+
+fn point(check: &mut ResonanceCheck, minutes: f64) -> Point {
+    let (sigma, strongest) = check.predict(minutes * 60.0);
+    Point { minutes, sigma, strongest }
+}
+
+/// Points about the tolerance box and the mission's surroundings.
+fn around(check: &mut ResonanceCheck, checked: &Checked) -> Vec<Point> {
+    let nominal = checked.motion.precession_period_s.abs() / 60.0;
+    let eta = (checked.motion.precession_period_s / checked.motion.spin_period_s).abs();
+    let box_min = (checked.tolerance.precession_s + eta * checked.tolerance.spin_s) / 60.0;
+    let half = (0.0025 * nominal).max(2.0 * box_min).min(0.5 * nominal);
+    (0..=FIGURE_POINTS)
+        .map(|i| nominal + half * (2.0 * f64::from(i) / f64::from(FIGURE_POINTS) - 1.0))
+        .map(|minutes| point(check, minutes))
+        .collect()
+}
+
+fn rows(shared: &SharedArgs, points: &[Point], provenance: &Provenance) -> Result<(), Failure> {
+    let rows = points.iter().map(|it| {
+        let strongest = |index: usize| it.strongest.map(|it| it[index]);
+        Ok(Row {
+            precession_period_min: it.minutes,
+            sigma_predicted: it.sigma,
+            p: strongest(0),
+            q: strongest(1),
+            m: strongest(2),
+        })
+    });
+    // The summary is the verb's own.
+    let shared = SharedArgs { json: false, ..shared.clone() };
+    deliver(&shared, rows, (provenance, &COLUMNS), || Ok(()))
+}
+
+/// What the actuators make of the periods, and for how long.
+#[derive(Debug, Clone, Copy)]
+struct Lasting {
+    tolerance: Tolerance,
+    correct_every_s: f64,
+    /// Time after a correction at which the box no longer passes; none within ten years.
+    free_for_s: Option<f64>,
+}
+
+/// How long after a correction the periods stay where no resonance matters: the longest time whose
+/// tolerance passes.
+fn lasting(
+    check: &mut ResonanceCheck,
+    checked: &Checked,
+    actuators: &Actuators,
+) -> Result<Lasting, Failure> {
+    let Actuators { precession, spin, correct_every_s } = actuators;
+    let floor = checked.certificate.sigma_floor;
+    let motion = checked.motion;
+    let mut passes = |since_s: f64| {
+        match check.passes(tolerance_after(&motion, precession, spin, since_s), floor) {
+            // Wider than the period.
+            Err(CertificateError::Tolerance { .. }) => Ok(false),
+            other => other.map_err(Failure::input),
+        }
+    };
+    let free_for_s = if passes(LONGEST_S)? {
+        None
+    } else if passes(0.0)? {
+        let (mut low, mut high) = (0.0, LONGEST_S);
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            if passes(middle)? {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(low)
+    } else {
+        Some(0.0)
+    };
+    Ok(Lasting { tolerance: checked.tolerance, correct_every_s: *correct_every_s, free_for_s })
+}
+
+impl Lasting {
+    fn json(&self) -> Value {
+        json!({
+            "precession_tolerance_s": self.tolerance.precession_s,
+            "spin_tolerance_s": self.tolerance.spin_s,
+            "correct_every_s": self.correct_every_s,
+            "moire_free_for_s": self.free_for_s,
+        })
+    }
+
+    fn text(&self) -> String {
+        let free = match self.free_for_s {
+            None => "they stay free of resonance for ten years or more".to_owned(),
+            Some(seconds) if seconds > 0.0 => {
+                format!(
+                    "they leave the Moire-free interval {:.3} d after a correction",
+                    seconds / 86_400.0
+                )
+            }
+            Some(_) => "they are outside the Moire-free interval from the start".to_owned(),
+        };
+        format!(
+            "actuators: {:.3} d after a correction the periods hold within {:.4} s and {:.5} s; {free}",
+            self.correct_every_s / 86_400.0,
+            self.tolerance.precession_s,
+            self.tolerance.spin_s
+        )
+    }
+}
+
+struct Report<'r> {
+    world: &'r World,
+    checked: &'r Checked,
+    recommended: Option<&'r Recommendation>,
+    lasting: Option<Lasting>,
+}
+
+impl Report<'_> {
+    fn json(&self, provenance: &Provenance, files: &[String]) -> Result<Value, Failure> {
+        let mut value = self.checked.json(self.recommended);
+        value["actuators"] = self.lasting.as_ref().map_or(Value::Null, Lasting::json);
+        value["files"] = json!(files);
+        value["provenance"] = serde_json::to_value(provenance).map_err(Failure::internal)?;
+        Ok(value)
+    }
+
+    fn text(&self, scale: &str, files: &[String]) -> String {
+        let Checked { motion, tolerance, certificate, allowed } = self.checked;
+        let scan = &self.world.mission.scan;
+        let mut text = format!(
+            "{}: resonance of precession, spin and orbit, hits of {:.2} d at {scale}\n\
+             alpha {} deg, beta {} deg, T_alpha {} min +- {} s, T_beta {} min +- {} s, ratio {:.6}\n\n",
+            self.world.mission.name,
+            motion.duration_s / 86_400.0,
+            scan.alpha_deg,
+            scan.beta_deg,
+            motion.precession_period_s.abs() / 60.0,
+            tolerance.precession_s,
+            motion.spin_period_s.abs() / 60.0,
+            tolerance.spin_s,
+            (motion.precession_period_s / motion.spin_period_s).abs()
+        );
+        let _ = writeln!(text, "{}\n", self.checked.sentence());
+        let _ = writeln!(text, "{:<34} {:>12} {:>10}", "sigma_hits / mean", "value", "excess");
+        let excess = |sigma: f64| 100.0 * (sigma / certificate.sigma_floor - 1.0);
+        for (name, sigma) in [
+            ("smooth, without resonances", certificate.sigma_smooth),
+            ("floor within 0.25 % of T_alpha", certificate.sigma_floor),
+            ("predicted at the periods", certificate.sigma_predicted),
+            ("bound within tolerance", certificate.sigma_bound),
+            ("allowed", certificate.sigma_floor * (1.0 + allowed)),
+        ] {
+            let _ = writeln!(text, "{name:<34} {sigma:>12.6} {:>8.2} %", excess(sigma));
+        }
+        if let Some(found) = self.recommended {
+            let _ = writeln!(
+                text,
+                "\n{:<34} {:>12} {:>10} {:>10} {:>8} {:>10}",
+                "periods to fly", "T_alpha min", "T_beta min", "bound", "excess", "survives"
+            );
+            for (name, choice) in [
+                ("smallest bound", &found.quietest),
+                ("largest tolerance", &found.sturdiest),
+                ("golden ratio (Hoang et al. 2017)", &found.golden),
+            ] {
+                let _ = writeln!(text, "{name:<34} {}", row(choice));
+            }
+            text.push_str("(survives: how many times the tolerance still passes)\n");
+        }
+        if let Some(lasting) = &self.lasting {
+            let _ = writeln!(text, "\n{}", lasting.text());
+        }
+        if !files.is_empty() {
+            let _ = writeln!(text, "\nwritten: {}", files.join(", "));
+        }
+        text
+    }
+}
+
+fn row(choice: &Choice) -> String {
+    let Choice { precession_period_s, spin_period_s, certificate, tolerances_survived } = choice;
+    let most = planner::resonance::recommendation::MOST_TOLERANCES;
+    let more = if *tolerances_survived > 0.98 * most { ">" } else { "" };
+    format!(
+        "{:>12.4} {:>10.4} {:>10.6} {:>6.2} % {:>10}",
+        precession_period_s.abs() / 60.0,
+        spin_period_s.abs() / 60.0,
+        certificate.sigma_bound,
+        100.0 * certificate.excess,
+        format!("{more}{tolerances_survived:.2}")
+    )
+}
