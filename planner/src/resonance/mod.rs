@@ -18,6 +18,8 @@ pub mod window;
 pub mod motion;
 pub mod power;
 pub mod hemisphere;
+mod ring_sums;
+pub mod crosslink;
 mod bound;
 pub mod certificate;
 pub mod actuator;
@@ -25,6 +27,7 @@ pub mod recommendation;
 
 pub use actuator::Actuator;
 pub use certificate::{Certificate, CertificateError, OrbitSpread, Tolerance, Worst};
+pub use crosslink::Crosslink;
 pub use hemisphere::Hemispheres;
 pub use motion::{Motion, MotionError};
 pub use power::{Prediction, Predictor, Resonance};
