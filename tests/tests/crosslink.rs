@@ -133,3 +133,17 @@ fn explore() {
         }
     }
 }
+
+#[test]
+fn explore_window() {
+    let case = Case::litebird(192.348, 128);
+    let window = Window::pixel(Nside::new(128).unwrap()).unwrap();
+    let w = window.weights();
+    for x in 1..=6 { println!("{x} {}", w[x * 128].powi(2)); }
+    println!("sum {}", w.iter().map(|w| w * w).sum::<f64>());
+    println!("sum from 4 {}", w[512..].iter().map(|w| w * w).sum::<f64>());
+    let mut p = Predictor::new(45f64.to_radians(), 50f64.to_radians(), window);
+    let it = p.predict(&case.motion());
+    println!("{} {} want 0.064916", it.variance, it.smooth_variance);
+    println!("{} {:?}", it.resonances.len(), &it.resonances[..12]);
+}

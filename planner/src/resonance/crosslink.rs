@@ -114,10 +114,8 @@ impl Predictor {
         let term = Term { m: 0, pair: SMOOTH, conjugate: false, factor: [1.0, 0.0] };
         let mut spectra = self.empty_spectra(spins);
         self.add_term(&term, spins, &mut Spins::new(), &mut spectra);
-        let field = |(&n, spectrum): (&i32, &Vec<Columns>)| {
-            rings.sums(0, n, spectrum).iter().map(|it| [it[0], it[1]]).collect()
-        };
-        spins.iter().zip(&spectra).map(field).collect()
+        let sums = rings.sums(self.window(), 0, spins, &spectra);
+        sums.iter().map(|sums| sums.iter().map(|it| [it[0], it[1]]).collect()).collect()
     }
 
     /// The fields of a motion, ring by ring at all longitudes.
@@ -144,9 +142,9 @@ impl Predictor {
             for term in kept {
                 self.add_term(term, spins, &mut rows, &mut spectra);
             }
-            for ((spectrum, &n), field) in spectra.iter().zip(spins).zip(&mut fields) {
-                let sums = rings.sums(m, n, spectrum);
-                for (row, sum) in field.chunks_exact_mut(longitudes.count()).zip(&sums) {
+            let sums = rings.sums(self.window(), m, spins, &spectra);
+            for (sums, field) in sums.iter().zip(&mut fields) {
+                for (row, sum) in field.chunks_exact_mut(longitudes.count()).zip(sums) {
                     add(row, longitudes.bin(m), [sum[0], sum[1]]);
                 }
                 // What counts at -m was summed on the mirrored rings.
@@ -168,7 +166,7 @@ impl Predictor {
         vec![vec![[0.0; COLUMNS]; self.window().weights().len()]; spins.len()]
     }
 
-    /// `(2l + 1) w_l` times a term's share of `A^(n)_lm`, and of `A^(n)_(l,-m)` with the sign of the
+    /// `2l + 1` times a term's share of `A^(n)_lm`, and of `A^(n)_(l,-m)` with the sign of the
     /// mirrored function, `(-1)^(l + n)`.
     fn add_term(&self, term: &Term, spins: &[i32], rows: &mut Spins, spectra: &mut Spectra) {
         let l_max = self.window().l_max();
@@ -176,8 +174,8 @@ impl Predictor {
         let mut common = wigner_d(term.m, k, FRAC_PI_2, l_max);
         let tilt = wigner_d(k, j, self.alpha_rad, l_max);
         let mut l = 0.0_f64;
-        for ((value, tilt), w) in common.iter_mut().zip(tilt).zip(self.window().weights()) {
-            *value *= (2.0 * l + 1.0) * w * tilt;
+        for (value, tilt) in common.iter_mut().zip(tilt) {
+            *value *= (2.0 * l + 1.0) * tilt;
             l += 1.0;
         }
         let [re, im] = term.factor;

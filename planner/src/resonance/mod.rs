@@ -18,6 +18,7 @@ pub mod window;
 pub mod motion;
 pub mod power;
 pub mod hemisphere;
+mod local_window;
 mod ring_sums;
 pub mod crosslink;
 mod bound;

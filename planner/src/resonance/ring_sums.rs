@@ -1,7 +1,7 @@
 //! Sums of Wigner functions on circles of latitude, and along them.
 //!
-//! For one m, not negative, and one spin n: `sum_l c_l d^l_mn(theta)` on all [`Rings`], for several
-//! c_l at once; then, ring by ring, `sum_m c_m exp(i m phi)` at equal steps of phi from zero.
+//! For one m, not negative, and one spin n: `sum_l c_l w_l d^l_mn(theta)` on all [`Rings`], for
+//! several c_l at once; then, ring by ring, `sum_m c_m exp(i m phi)` at equal steps of phi from zero.
 //!
 //! Method: the recurrence of [`super::wigner`] for several rings side by side, compiled for the
 //! instruction set that is there; values that f64 does not hold carry a scale and count once they
@@ -12,7 +12,9 @@
 //!
 //! Limits: rings far beyond the turning point of the last degree are taken for zero.
 
+use super::local_window::fill;
 use super::wigner::{LARGE, Scaled, UNIT, log2_factorial};
+use super::window::Window;
 use pulp::Arch;
 use std::f64::consts::{PI, TAU};
 
@@ -68,26 +70,50 @@ impl Rings {
         self.rings.iter().map(|ring| ring.share)
     }
 
-    /// `sum_l coefficients[l] d^l_mn(theta)` on each ring, neither m nor n negative.
-    pub(super) fn sums(&self, m: i32, n: i32, coefficients: &[Columns]) -> Vec<Columns> {
-        let start = usize::try_from(m.max(n)).unwrap_or(usize::MAX);
-        let Some(used) = coefficients.get(start..).filter(|it| !it.is_empty()) else {
-            return vec![[0.0; COLUMNS]; self.count()];
-        };
-        let (steps, first) = (steps(m, n, used.len()), First::new(m, n));
+    /// `sum_l spectra[l] w_l d^l_mn(theta)` on each ring, for spins n and their spectra; neither m
+    /// nor n is negative, w are the window's weights on that ring.
+    pub(super) fn sums(
+        &self,
+        window: &Window,
+        m: i32,
+        spins: &[i32],
+        spectra: &[Vec<Columns>],
+    ) -> Vec<Vec<Columns>> {
+        let size = window.weights().len();
+        let recurrences: Vec<(usize, Vec<Step>, First)> = spins
+            .iter()
+            .map(|&n| {
+                let start = usize::try_from(m.max(n)).unwrap_or(usize::MAX).min(size);
+                (start, steps(m, n, size - start), First::new(m, n))
+            })
+            .collect();
         let arch = Arch::new();
-        let mut sums = Vec::with_capacity(self.count());
-        for block in self.rings.chunks_exact(LANES) {
-            let visible = block.iter().any(|ring| ring.sees(m, n, coefficients.len() - 1));
-            if !visible {
-                sums.extend([[0.0; COLUMNS]; LANES]);
-                continue;
+        let mut weights = vec![[0.0; LANES]; size];
+        let mut sums = vec![Vec::with_capacity(self.count()); spins.len()];
+        for block in self.rings.as_chunks::<LANES>().0 {
+            let mut known = false;
+            for ((sums, recurrence), (&n, spectrum)) in
+                sums.iter_mut().zip(&recurrences).zip(spins.iter().zip(spectra))
+            {
+                if !block.iter().any(|ring| ring.sees(m, n, window.l_max())) {
+                    sums.extend([[0.0; COLUMNS]; LANES]);
+                    continue;
+                }
+                if !known {
+                    fill(window, m, &block.map(|ring| [ring.cos, ring.sin]), &mut weights);
+                    known = true;
+                }
+                let (start, steps, first) = recurrence;
+                let degrees = (
+                    steps.as_slice(),
+                    spectrum.get(*start..).unwrap_or_default(),
+                    weights.get(*start..).unwrap_or_default(),
+                );
+                let first = block.map(|ring| first.on(&ring));
+                let cos = block.map(|ring| ring.cos);
+                let columns = arch.dispatch(|| block_sums(degrees, cos, first));
+                sums.extend((0..LANES).map(|lane| columns.map(|column| column[lane])));
             }
-            let lane = |i: usize| block.get(i).copied().unwrap_or(block[0]);
-            let cos: [f64; LANES] = std::array::from_fn(|i| lane(i).cos);
-            let first: [Scaled; LANES] = std::array::from_fn(|i| first.on(&lane(i)));
-            let columns = arch.dispatch(|| block_sums(&steps, used, cos, first));
-            sums.extend((0..LANES).map(|lane| columns.map(|column| column[lane])));
         }
         sums
     }
@@ -155,8 +181,7 @@ fn steps(m: i32, n: i32, count: usize) -> Vec<Step> {
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled for the instruction set of its caller")]
 fn block_sums(
-    steps: &[Step],
-    coefficients: &[Columns],
+    (steps, coefficients, weights): (&[Step], &[Columns], &[[f64; LANES]]),
     cos: [f64; LANES],
     first: [Scaled; LANES],
 ) -> [[f64; LANES]; COLUMNS] {
@@ -164,13 +189,14 @@ fn block_sums(
     let mut units = first.map(|it| it.units);
     let mut before = [0.0; LANES];
     let mut sums = [[0.0; LANES]; COLUMNS];
-    let mut degrees = steps.iter().zip(coefficients);
+    let mut degrees = steps.iter().zip(coefficients).zip(weights);
     while units != [0; LANES] {
-        let Some((step, columns)) = degrees.next() else { return sums };
+        let Some(((step, columns), weights)) = degrees.next() else { return sums };
         for lane in 0..LANES {
             if units[lane] == 0 {
+                let value = weights[lane] * now[lane];
                 for (sum, column) in sums.iter_mut().zip(columns) {
-                    sum[lane] += column * now[lane];
+                    sum[lane] += column * value;
                 }
             }
             let above = (step[0] * cos[lane] - step[1]) * now[lane] - step[2] * before[lane];
@@ -182,10 +208,11 @@ fn block_sums(
             }
         }
     }
-    for (step, columns) in degrees {
+    for ((step, columns), weights) in degrees {
         for lane in 0..LANES {
+            let value = weights[lane] * now[lane];
             for column in 0..COLUMNS {
-                sums[column][lane] += columns[column] * now[lane];
+                sums[column][lane] += columns[column] * value;
             }
             let above = (step[0] * cos[lane] - step[1]) * now[lane] - step[2] * before[lane];
             before[lane] = now[lane];
@@ -265,25 +292,27 @@ mod tests {
 
     #[test]
     fn rings_meet_the_functions_one_by_one() {
-        let l_max = 700;
+        let window = Window::beam(0.009).unwrap();
+        let l_max = window.l_max();
+        assert!(l_max > 690);
         let weight = |l: usize, column: usize| ((l * (column + 3)) as f64).sin();
         let coefficients: Vec<Columns> =
             (0..=l_max).map(|l| std::array::from_fn(|column| weight(l, column))).collect();
         let rings = Rings::new(100);
         assert!((rings.shares().sum::<f64>() - 1.0).abs() < 1e-14);
         for (m, n) in [(0, 0), (0, 3), (1, 6), (56, 0), (56, 4), (410, 2), (690, 6)] {
-            for (i, sums) in rings.sums(m, n, &coefficients).iter().enumerate() {
+            let sums = rings.sums(&window, m, &[n], std::slice::from_ref(&coefficients));
+            for (i, sums) in sums[0].iter().enumerate() {
                 let theta = PI * (i as f64 + 0.5) / rings.count() as f64;
                 let row = wigner_d(m, n, theta, l_max);
                 for column in 0..COLUMNS {
-                    let terms = row.iter().zip(&coefficients);
-                    let expected: f64 = terms.map(|(d, c)| d * c[column]).sum();
+                    let terms = row.iter().zip(&coefficients).zip(window.weights());
+                    let expected: f64 = terms.map(|((d, c), w)| w * d * c[column]).sum();
                     let off = (sums[column] - expected).abs();
                     assert!(off < 1e-9, "{m} {n} {theta}: {off:e}");
                 }
             }
         }
-        assert_eq!(rings.sums(9, 0, &coefficients[..9]), vec![[0.0; COLUMNS]; rings.count()]);
     }
 
     #[test]

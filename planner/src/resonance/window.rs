@@ -40,6 +40,8 @@ const LEAST_BEAM_POWER: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window {
     weights: Vec<f64>,
+    /// Of a HEALPix map's pixels.
+    nside: Option<Nside>,
 }
 
 /// Why there is no window.
@@ -73,7 +75,7 @@ impl Window {
             let l = f64::from(l);
             chebyshev(&series, l * (l + 1.0) * per * per).max(0.0).sqrt()
         };
-        Ok(Self { weights: (0..).take(l_max + 1).map(weight).collect() })
+        Ok(Self { weights: (0..).take(l_max + 1).map(weight).collect(), nside: Some(nside) })
     }
 
     /// The window of a Gaussian beam, to where it keeps 1e-6 of the power.
@@ -97,13 +99,18 @@ impl Window {
         if weights.len() < 3 || weights.len() > MAX_L + 1 {
             return Err(refused);
         }
-        Ok(Self { weights })
+        Ok(Self { weights, nside: None })
     }
 
     /// `w_l` from l = 0.
     #[must_use]
     pub fn weights(&self) -> &[f64] {
         &self.weights
+    }
+
+    /// The map whose pixels it stands for, if not a beam.
+    pub(super) const fn nside(&self) -> Option<Nside> {
+        self.nside
     }
 
     /// The largest degree.
