@@ -109,7 +109,6 @@ fn explore() {
     let base = Case::litebird(192.348, 128);
     for (name, case, hz) in [
         ("standard", base, 19.0),
-        ("standard 9.5", base, 9.5),
         ("standard 64", Case { nside: 64, ..base }, 9.5),
         ("48/5+", Case::litebird(192.0825, 128), 19.0),
         ("192", Case::litebird(192.0, 128), 19.0),
@@ -119,6 +118,7 @@ fn explore() {
         ("small", Case { alpha_deg: 30.0, beta_deg: 65.0, spin: 900 * UNITS, precession: Case::units(105.03 * 60.0), ..base }, 9.5),
         ("wide", Case { alpha_deg: 55.0, beta_deg: 40.0, spin: 1500 * UNITS, precession: Case::units(187.51 * 60.0), ..base }, 9.5),
         ("flat", Case { alpha_deg: 15.0, beta_deg: 78.0, spin: 700 * UNITS, precession: Case::units(150.03 * 60.0), ..base }, 9.5),
+        ("7/1", Case { nside: 64, alpha_deg: 30.0, beta_deg: 65.0, spin: 900 * UNITS, precession: Case::units(105.0 * 60.0), ..base }, 9.5),
         ("two years", Case { days: 730.5, ..base }, 9.5),
     ] {
         let before = std::time::Instant::now();
@@ -146,4 +146,30 @@ fn explore_window() {
     let it = p.predict(&case.motion());
     println!("{} {} want 0.064916", it.variance, it.smooth_variance);
     println!("{} {:?}", it.resonances.len(), &it.resonances[..12]);
+}
+#[test]
+fn explore_tail() {
+    let base = Case::litebird(192.348, 64);
+    for (name, case, hz) in [
+        ("standard", base, 9.5),
+        ("reversed", Case { spin: -base.spin, ..base }, 9.5),
+        ("192", Case::litebird(192.0, 64), 9.5),
+        ("192 shifted", Case { precession_phase_rad: 0.032_724_9, ..Case::litebird(192.0, 64) }, 9.5),
+    ] {
+        let before = std::time::Instant::now();
+        let predicted = case.predicted();
+        let took = before.elapsed().as_secs_f64();
+        let before = std::time::Instant::now();
+        let (simulated, unobserved) = case.simulated(hz);
+        println!("{name}: {took:.3} s, simulation {:.1} s, unobserved {unobserved}", before.elapsed().as_secs_f64());
+        let Some(predicted) = predicted else { println!("  none"); continue };
+        for (it, simulated) in predicted.iter().zip(&simulated) {
+            println!("  {} smooth {:.6} mean {:.6} simulated {:.6} {:+.3}%", it.order, it.smooth_mean, it.mean, simulated, 100.0 * (it.mean / simulated - 1.0));
+        }
+    }
+    let window = Window::pixel(Nside::new(64).unwrap()).unwrap();
+    let w = window.weights();
+    for x in 1..=12 { println!("{x} {}", w[(x * 64).min(w.len()-1)].powi(2)); }
+    println!("sum {} from 6 {}", w.iter().map(|w| w * w).sum::<f64>(), w[384..].iter().map(|w| w * w).sum::<f64>());
+    let mut p = Predictor::new(45f64.to_radians(), 50f64.to_radians(), window);
 }

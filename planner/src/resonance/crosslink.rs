@@ -20,7 +20,8 @@ use super::power::{Predictor, SMOOTH, Term, sinc};
 use super::ring_sums::{COLUMNS, Columns, Complex, Longitudes, Rings, to_f64};
 use super::wigner::wigner_d;
 use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_2, PI};
+use super::window::DEGREES_PER_NSIDE;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// The mean over the sky of one orientation function.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,8 +40,12 @@ pub const LEAST_HITS: f64 = 0.05;
 pub const MAX_ORDER: u32 = 64;
 /// Terms whose power in the hits is below it are left out.
 const NEGLIGIBLE_TERM: f64 = 1e-8;
-/// Degrees of the window for each ring of the resonant part, and for each two longitudes.
+/// Degrees of the window for each ring of the resonant part.
 const DEGREES_PER_RING: usize = 3;
+/// Where no more m than these count, twice as many degrees and a ring for each are taken.
+const FEW_M: usize = 24;
+/// Longitudes along a ring.
+const LONGITUDES_PER_NSIDE: usize = 4;
 /// Departure of angles from full coverage that is rounding, in radians.
 const ROUNDING_RAD: f64 = 1e-9;
 
@@ -81,22 +86,52 @@ impl Predictor {
     /// that is not legal.
     pub fn crosslinks(&mut self, motion: &Motion, orders: &[u32]) -> Option<Vec<Crosslink>> {
         let (sum, difference) = (self.alpha_rad + self.beta_rad, self.alpha_rad - self.beta_rad);
-        let poles_seen = sum >= FRAC_PI_2 - ROUNDING_RAD
-            && sum <= 3.0 * FRAC_PI_2 + ROUNDING_RAD
+        let poles_seen = (FRAC_PI_2 - ROUNDING_RAD..=3.0 * FRAC_PI_2 + ROUNDING_RAD).contains(&sum)
             && difference.abs() <= FRAC_PI_2 + ROUNDING_RAD;
         if !poles_seen || orders.iter().any(|order| !(1..=MAX_ORDER).contains(order)) {
             return None;
         }
+        let terms = self.kept_terms(motion);
+        if terms.chunk_by(|a, b| a.m == b.m).count() <= FEW_M
+            && let Some(window) = self.window().doubled()
+        {
+            let mut wide = Self::new(self.alpha_rad, self.beta_rad, window);
+            let terms = wide.kept_terms(motion);
+            let rings = Rings::new(wide.window().l_max());
+            return wide.means(motion, orders, (&terms, &rings));
+        }
+        let rings = Rings::new(self.window().l_max() / DEGREES_PER_RING);
+        self.means(motion, orders, (&terms, &rings))
+    }
+
+    /// The terms that count, sorted by m.
+    fn kept_terms(&mut self, motion: &Motion) -> Vec<Term> {
+        let mut terms = self.terms(motion);
+        terms.retain(|term| {
+            let [re, im] = term.factor;
+            let power = (re * re + im * im) * self.pair_power(term.pair, term.m);
+            (term.pair == SMOOTH && term.m == 0) || power > NEGLIGIBLE_TERM
+        });
+        terms
+    }
+
+    fn means(
+        &self,
+        motion: &Motion,
+        orders: &[u32],
+        (terms, rings): (&[Term], &Rings),
+    ) -> Option<Vec<Crosslink>> {
         let orders_signed = orders.iter().filter_map(|&n| i32::try_from(n).ok());
         let spins: Vec<i32> = std::iter::once(0).chain(orders_signed).collect();
-        let size = self.window().weights().len();
-        let fine = Rings::new(2 * size);
-        let rings = Rings::new(size / DEGREES_PER_RING);
-        let longitudes = Longitudes::new(2 * size / DEGREES_PER_RING);
-        let smooth = mean_squares(&fine, &self.smooth_fields(&spins, &fine))?;
-        let coarse = mean_squares(&rings, &self.smooth_fields(&spins, &rings))?;
-        let total = mean_squares(&rings, &self.fields(motion, &spins, (&rings, &longitudes)))?;
-        let resonant = total.iter().zip(&coarse).map(|(total, coarse)| total - coarse);
+        let l_max = self.window().l_max();
+        let fine = Rings::new(2 * l_max);
+        let longitudes = Longitudes::new(LONGITUDES_PER_NSIDE * l_max / DEGREES_PER_NSIDE);
+        let smooth_fields = self.smooth_fields(&spins, &fine);
+        let smooth = mean_squares(&fine, &smooth_fields)?;
+        let coarse = mean_squares(rings, &self.smooth_fields(&spins, rings))?;
+        let total = mean_squares(rings, &self.fields(terms, &spins, (rings, &longitudes)))?;
+        let beyond = self.beyond_last_degree(motion, &fine, &smooth_fields);
+        let resonant = total.iter().zip(&coarse).zip(&beyond).map(|((a, b), c)| a - b + c);
         let means = orders.iter().zip(smooth).zip(resonant);
         Some(
             means
@@ -109,6 +144,26 @@ impl Predictor {
         )
     }
 
+    /// What degrees beyond the last add to each mean: there the crossings of a pixel are independent.
+    fn beyond_last_degree(&self, motion: &Motion, rings: &Rings, smooth: &Fields) -> Vec<f64> {
+        let Some((hits, sums)) = smooth.split_first() else { return Vec::new() };
+        let per_nside = self.window().nside().map_or(0.0, |nside| {
+            let last = to_f64(self.window().l_max()) / f64::from(nside.get());
+            tail(last) * f64::from(nside.get())
+        });
+        let speed = mean_slowness(motion, [self.alpha_rad, self.beta_rad]);
+        let variance = 4.0 * speed / motion.duration_s * per_nside;
+        let added = |sums: &Vec<Complex>| {
+            let rings = rings.shares().zip(hits).zip(sums);
+            rings
+                .map(|((share, hits), sum)| {
+                    share * variance / hits[0] * (1.0 - (sum[0] / hits[0]).powi(2))
+                })
+                .sum()
+        };
+        sums.iter().map(added).collect()
+    }
+
     /// The fields without resonances, one value a ring.
     fn smooth_fields(&self, spins: &[i32], rings: &Rings) -> Fields {
         let term = Term { m: 0, pair: SMOOTH, conjugate: false, factor: [1.0, 0.0] };
@@ -118,28 +173,19 @@ impl Predictor {
         sums.iter().map(|sums| sums.iter().map(|it| [it[0], it[1]]).collect()).collect()
     }
 
-    /// The fields of a motion, ring by ring at all longitudes.
+    /// The fields of all terms, ring by ring at all longitudes.
     fn fields(
-        &mut self,
-        motion: &Motion,
+        &self,
+        terms: &[Term],
         spins: &[i32],
         (rings, longitudes): (&Rings, &Longitudes),
     ) -> Fields {
-        let terms = self.terms(motion);
         let mut fields = vec![vec![[0.0; 2]; rings.count() * longitudes.count()]; spins.len()];
         let mut rows = Spins::new();
         for same_m in terms.chunk_by(|a, b| a.m == b.m) {
-            let kept: Vec<&Term> = same_m
-                .iter()
-                .filter(|term| {
-                    let [re, im] = term.factor;
-                    let power = (re * re + im * im) * self.pair_power(term.pair, term.m);
-                    (term.pair == SMOOTH && term.m == 0) || power > NEGLIGIBLE_TERM
-                })
-                .collect();
-            let Some(m) = kept.first().map(|it| it.m) else { continue };
+            let Some(m) = same_m.first().map(|it| it.m) else { continue };
             let mut spectra = self.empty_spectra(spins);
-            for term in kept {
+            for term in same_m {
                 self.add_term(term, spins, &mut rows, &mut spectra);
             }
             let sums = rings.sums(self.window(), m, spins, &spectra);
@@ -204,6 +250,38 @@ impl Predictor {
         self.pairs.get(term.pair).map_or([0; 2], |pair| [sign * pair.k, sign * pair.j])
     }
 }
+
+/// `int w^2(x) dx` over `x = l / nside` from 6, and from 12; in between and beyond `x^-2` of it.
+const TAILS: [(f64, f64); 2] = [(6.0, 0.0888), (12.0, 0.0250)];
+
+/// `int w^2(x) dx` from x.
+fn tail(x: f64) -> f64 {
+    let [(six, from_six), (twelve, from_twelve)] = TAILS;
+    if x < f64::midpoint(six, twelve) {
+        from_six * (six / x).powi(2)
+    } else {
+        from_twelve * (twelve / x).powi(2)
+    }
+}
+
+/// Mean of the inverse of the line of sight's angular speed, in s/rad, the orbit aside.
+fn mean_slowness(motion: &Motion, [alpha_rad, beta_rad]: [f64; 2]) -> f64 {
+    let (sin, cos) = alpha_rad.sin_cos();
+    let precession = TAU / motion.precession_period_s;
+    let spin = TAU / motion.spin_period_s;
+    // Both rates' vector in the frame of the spin axis.
+    let [x, z] = [-precession * sin, spin + precession * cos];
+    let slowness = |i: u32| {
+        let (sin, cos) = (TAU * (f64::from(i) + 0.5) / f64::from(SPEEDS)).sin_cos();
+        let n = [beta_rad.sin() * cos, beta_rad.sin() * sin, beta_rad.cos()];
+        let speed = [-z * n[1], z * n[0] - x * n[2], x * n[1]];
+        1.0 / speed.iter().map(|v| v * v).sum::<f64>().sqrt()
+    };
+    (0..SPEEDS).map(slowness).sum::<f64>() / f64::from(SPEEDS)
+}
+
+/// Spin phases over which speeds are averaged.
+const SPEEDS: u32 = 64;
 
 fn add(row: &mut [Complex], at: usize, value: Complex) {
     if let Some(cell) = row.get_mut(at) {

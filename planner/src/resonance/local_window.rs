@@ -16,7 +16,7 @@
 //!
 //! Limits: pixels as if flat; W to 1e-4 (test `meets_the_product_of_sincs`).
 
-use super::window::Window;
+use super::window::{DEGREES_PER_NSIDE, Window};
 use crate::healpix::Nside;
 use std::f64::consts::PI;
 
@@ -53,8 +53,9 @@ impl Wave {
 
 /// Differences of `A^2 - B^2` below it are taken for it.
 const LEAST_DIFFERENCE: f64 = 1e-4;
-/// Terms of the series of `sin^2`; the largest square is 7.5.
-const TERMS: usize = 15;
+/// Terms of the series of `sin^2` for squares to 29, l of 12 nside; and to 7.5, 6 nside.
+const TERMS: usize = 40;
+const FEWER_TERMS: usize = 15;
 
 /// Coefficients of `sin^2 x = sum_i c_i (x^2)^(i + 1)`.
 const SERIES: [f64; TERMS] = {
@@ -73,14 +74,14 @@ const SERIES: [f64; TERMS] = {
 /// W of several rings at `l (l + 1)`.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "compiled for the instruction set of its caller")]
-pub(super) fn weights<const N: usize>(waves: &[Wave; N], degree: f64) -> [f64; N] {
+fn weights<const N: usize>(waves: &[Wave; N], degree: f64, series: &[f64]) -> [f64; N] {
     let mut weights = [0.0; N];
     for (weight, wave) in weights.iter_mut().zip(waves) {
         let b = (degree - wave.east_squared).max(0.0) * wave.per_south;
         let near = (wave.a_squared - b).abs() < LEAST_DIFFERENCE;
         let b = if near { wave.a_squared - LEAST_DIFFERENCE } else { b };
         let mut sum = 0.0;
-        for c in SERIES.iter().rev() {
+        for c in series.iter().rev() {
             sum = sum * b + c;
         }
         *weight = (wave.sin_squared - sum * b) / (wave.a_squared - b);
@@ -102,10 +103,12 @@ pub(super) fn fill<const N: usize>(
         return;
     };
     let waves = rings.map(|ring| Wave::new(nside, m, ring));
+    let few = window.l_max() <= DEGREES_PER_NSIDE * nside.get() as usize;
+    let series = if few { SERIES.split_at(FEWER_TERMS).0 } else { &SERIES[..] };
     pulp::Arch::new().dispatch(|| {
         let mut l = 0.0;
         for cells in weights_by_degree.iter_mut() {
-            *cells = weights(&waves, l * (l + 1.0));
+            *cells = weights(&waves, l * (l + 1.0), series);
             l += 1.0;
         }
     });
@@ -119,12 +122,14 @@ mod tests {
     fn meets_the_product_of_sincs() {
         let nside = Nside::new(64).unwrap();
         let window = Window::pixel(nside).unwrap();
+        let windows = [window.doubled().unwrap(), window];
         let sinc = |x: f64| if x.abs() < 1e-9 { 1.0 } else { x.sin() / x };
         for m in [0, 1, 40, 150, 300] {
-            for theta in [0.3_f64, 0.8, 0.9, 1.5] {
+            for (theta, window) in [(0.3_f64, 0), (0.8, 1), (0.9, 0), (1.5, 1)] {
                 let (sin, cos) = theta.sin_cos();
-                let mut found = vec![[0.0]; 385];
-                fill(&window, m, &[[cos, sin]], &mut found);
+                let window = &windows[window];
+                let mut found = vec![[0.0]; window.l_max() + 1];
+                fill(window, m, &[[cos, sin]], &mut found);
                 let (m, p) = (f64::from(m), ((1.0 + cos) / 3.0).sqrt());
                 let equatorial = cos < 2.0 / 3.0;
                 let edge = if equatorial { sin / 8.0 } else { p / 48.0_f64.sqrt() };

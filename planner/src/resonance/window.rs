@@ -113,6 +113,16 @@ impl Window {
         self.nside
     }
 
+    /// The same with twice as many degrees, as far as they are supported; those beyond have the last
+    /// weight. `None` for a beam, which has all that count.
+    pub(super) fn doubled(&self) -> Option<Self> {
+        self.nside?;
+        let mut doubled = self.clone();
+        let last = self.weights.last().copied().unwrap_or(0.0);
+        doubled.weights.resize((2 * self.l_max()).min(MAX_L) + 1, last);
+        Some(doubled)
+    }
+
     /// The largest degree.
     #[must_use]
     pub const fn l_max(&self) -> usize {
