@@ -1,6 +1,6 @@
 //! How evenly each pixel's crossing angles are spread, without a half-wave plate.
 //!
-//! The orientation function of spin n is `h_n = S_n / N`, S_n the sum over a pixel's samples of
+//! The orientation function of spin n is `h_n = S_n / N`, `S_n` the sum over a pixel's samples of
 //! `exp(-i n psi)` and N their number; of it the mean of `|h_n|^2` over the sky. Both sums are
 //! fields on the sphere, their harmonics time averages of Wigner's D, [`mean_of_d`]:
 //!
@@ -277,11 +277,10 @@ fn tail(x: f64) -> f64 {
 
 /// Mean of the inverse of the line of sight's angular speed, in s/rad, the orbit aside.
 fn mean_slowness(motion: &Motion, [alpha_rad, beta_rad]: [f64; 2]) -> f64 {
-    let (sin, cos) = alpha_rad.sin_cos();
+    let (across, along) = alpha_rad.sin_cos();
     let precession = TAU / motion.precession_period_s;
-    let spin = TAU / motion.spin_period_s;
     // Both rates' vector in the frame of the spin axis.
-    let [x, z] = [-precession * sin, spin + precession * cos];
+    let [x, z] = [-precession * across, TAU / motion.spin_period_s + precession * along];
     let slowness = |i: u32| {
         let (sin, cos) = (TAU * (f64::from(i) + 0.5) / f64::from(SPEEDS)).sin_cos();
         let n = [beta_rad.sin() * cos, beta_rad.sin() * sin, beta_rad.cos()];
@@ -396,11 +395,11 @@ mod tests {
     }
 
     /// `4 pi S_n` without resonances, a direct quadrature over the height of the spin axis.
-    fn smooth_sum(n: u32, [alpha, beta]: [f64; 2], theta: f64) -> f64 {
-        let (s, c) = theta.sin_cos();
-        let mut x = [(alpha + beta).cos(), (alpha - beta).cos(), -s, s];
+    fn smooth_sum(order: u32, [alpha, beta]: [f64; 2], theta: f64) -> f64 {
+        let (sin, cos) = theta.sin_cos();
+        let mut x = [(alpha + beta).cos(), (alpha - beta).cos(), -sin, sin];
         x.sort_by(f64::total_cmp);
-        let order = f64::from(n);
+        let order = f64::from(order);
         let nodes = 4000;
         let sum: f64 = (0..nodes)
             .map(|i| {
@@ -408,7 +407,7 @@ mod tests {
                 let u = f64::midpoint(x[1], x[2]) + 0.5 * (x[2] - x[1]) * node;
                 let rest = (1.0 - u * u).sqrt();
                 let chi = ((alpha.cos() - u * beta.cos()) / (beta.sin() * rest)).clamp(-1.0, 1.0);
-                let epsilon = (-u * c / (s * rest)).clamp(-1.0, 1.0);
+                let epsilon = (-u * cos / (sin * rest)).clamp(-1.0, 1.0);
                 let angles = (order * chi.acos()).cos() * (order * epsilon.acos()).cos();
                 angles / ((x[3] - u) * (u - x[0])).sqrt()
             })

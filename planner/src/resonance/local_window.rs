@@ -130,14 +130,14 @@ mod tests {
                 let window = &windows[window];
                 let mut found = vec![[0.0]; window.l_max() + 1];
                 fill(window, m, &[[cos, sin]], &mut found);
-                let (m, p) = (f64::from(m), ((1.0 + cos) / 3.0).sqrt());
+                let (east, polar) = (f64::from(m) / sin, ((1.0 + cos) / 3.0).sqrt());
                 let equatorial = cos < 2.0 / 3.0;
-                let edge = if equatorial { sin / 8.0 } else { p / 48.0_f64.sqrt() };
-                let a = m / sin * PI * edge / 64.0;
+                let edge = if equatorial { sin / 8.0 } else { polar / 48.0_f64.sqrt() };
+                let a = east * PI * edge / 64.0;
                 for (l, [w]) in (0_u32..).zip(&found).skip(1) {
                     let l = f64::from(l);
-                    let south = (l * (l + 1.0) - (m / sin).powi(2)).max(0.0).sqrt();
-                    let b = south / (3.0 * 64.0 * if equatorial { sin } else { p });
+                    let south = (l * (l + 1.0) - east * east).max(0.0).sqrt();
+                    let b = south / (3.0 * 64.0 * if equatorial { sin } else { polar });
                     if a < 3.0 {
                         let expected = sinc(a + b) * sinc(a - b);
                         assert!((w - expected).abs() < 1e-4, "{m} {theta} {l}: {w} {expected}");

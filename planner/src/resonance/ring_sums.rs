@@ -1,7 +1,7 @@
 //! Sums of Wigner functions on circles of latitude, and along them.
 //!
 //! For one m, not negative, and one spin n: `sum_l c_l w_l d^l_mn(theta)` on all [`Rings`], for
-//! several c_l at once; then, ring by ring, `sum_m c_m exp(i m phi)` at equal steps of phi from zero.
+//! several `c_l` at once; then, ring by ring, `sum_m c_m exp(i m phi)` at equal steps of phi from zero.
 //!
 //! Method: the recurrence of [`super::wigner`] for several rings side by side, compiled for the
 //! instruction set that is there; values that f64 does not hold carry a scale and count once they
@@ -295,7 +295,7 @@ mod tests {
         let window = Window::beam(0.009).unwrap();
         let l_max = window.l_max();
         assert!(l_max > 690);
-        let weight = |l: usize, column: usize| ((l * (column + 3)) as f64).sin();
+        let weight = |l: usize, column: usize| to_f64(l * (column + 3)).sin();
         let coefficients: Vec<Columns> =
             (0..=l_max).map(|l| std::array::from_fn(|column| weight(l, column))).collect();
         let rings = Rings::new(100);
@@ -303,7 +303,7 @@ mod tests {
         for (m, n) in [(0, 0), (0, 3), (1, 6), (56, 0), (56, 4), (410, 2), (690, 6)] {
             let sums = rings.sums(&window, m, &[n], std::slice::from_ref(&coefficients));
             for (i, sums) in sums[0].iter().enumerate() {
-                let theta = PI * (i as f64 + 0.5) / rings.count() as f64;
+                let theta = PI * (to_f64(i) + 0.5) / to_f64(rings.count());
                 let row = wigner_d(m, n, theta, l_max);
                 for column in 0..COLUMNS {
                     let terms = row.iter().zip(&coefficients).zip(window.weights());
@@ -328,7 +328,7 @@ mod tests {
         assert_eq!(values.len(), 16);
         for (i, value) in values.iter().enumerate() {
             let expected = terms.iter().fold([0.0; 2], |sum, (m, re, im)| {
-                let (s, c) = (TAU * *m as f64 * i as f64 / 16.0).sin_cos();
+                let (s, c) = (TAU * f64::from(*m) * to_f64(i) / 16.0).sin_cos();
                 [sum[0] + re * c - im * s, sum[1] + re * s + im * c]
             });
             assert!((value[0] - expected[0]).abs() < 1e-13);
