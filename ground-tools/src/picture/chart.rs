@@ -156,7 +156,7 @@ pub fn chart(chart: &Chart) -> Result<Drawing, PictureError> {
         // At least a line.
         let (low, high) = (across(*low), across(*high).max(across(*low) + unit));
         let corners = [(low, y), (high, y), (high, y + h), (low, y + h)];
-        canvas.fill(&path(corners.into_iter()), SHADE, 0.3);
+        canvas.fill(&path(corners), SHADE, 0.3);
     }
     for (number, series) in chart.series.iter().enumerate() {
         plot.series(&mut canvas, series.shape, stroke(number, unit));

@@ -8,7 +8,8 @@
 //! ecliptic coordinates, hits relative to their mean.
 //!
 //! Method: `docs/resonance.md`; functions in [`wigner`], pixels and beams in [`window`], the sums in
-//! [`power`], [`hemisphere`] for each half of the sky, bounds over tolerances in [`certificate`].
+//! [`power`], [`hemisphere`] for each half of the sky, [`crosslink`] for the means of the crossing angles'
+//! moments, bounds over tolerances in [`certificate`].
 //!
 //! Limits: predictions are those of a circular orbit; certificates follow the real one. One detector
 //! on the boresight.
@@ -19,6 +20,9 @@ pub mod window;
 pub mod motion;
 pub mod power;
 pub mod hemisphere;
+mod local_window;
+mod ring_sums;
+pub mod crosslink;
 pub mod orbit;
 mod bound;
 pub mod certificate;
@@ -27,6 +31,7 @@ pub mod recommendation;
 
 pub use actuator::Actuator;
 pub use certificate::{Certificate, CertificateError, Tolerance, Worst};
+pub use crosslink::Crosslink;
 pub use hemisphere::Hemispheres;
 pub use motion::{Motion, MotionError};
 pub use orbit::Orbit;

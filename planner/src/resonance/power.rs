@@ -119,8 +119,8 @@ pub(super) struct Term {
 /// Predicts surveys at given angles and window.
 #[derive(Debug, Clone)]
 pub struct Predictor {
-    alpha_rad: f64,
-    beta_rad: f64,
+    pub(super) alpha_rad: f64,
+    pub(super) beta_rad: f64,
     window: Window,
     /// `d^l_j0(beta)` by j, not negative.
     spins: BTreeMap<i32, Vec<f64>>,

@@ -25,9 +25,9 @@ pub const MAX_L: usize = 2048;
 /// Binary logarithm of one unit of scale.
 const UNIT_LOG2: f64 = 512.0;
 /// `2^-512`.
-const UNIT: f64 = f64::from_bits((1023 - 512) << 52);
+pub(super) const UNIT: f64 = f64::from_bits((1023 - 512) << 52);
 /// `2^256`: a scaled value beyond it is taken one unit down.
-const LARGE: f64 = f64::from_bits((1023 + 256) << 52);
+pub(super) const LARGE: f64 = f64::from_bits((1023 + 256) << 52);
 
 /// A value `x 2^(-512 units)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ pub(super) struct Scaled {
 impl Scaled {
     const ZERO: Self = Self { x: 0.0, units: 0 };
 
-    fn of_log2(log2: f64, negative: bool) -> Self {
+    pub(super) fn of_log2(log2: f64, negative: bool) -> Self {
         let units = (-log2 / UNIT_LOG2).floor().max(0.0);
         let x = (log2 + units * UNIT_LOG2).exp2();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 100")]
@@ -49,7 +49,7 @@ impl Scaled {
 }
 
 /// `log2(n!)`.
-fn log2_factorial(n: i32) -> f64 {
+pub(super) fn log2_factorial(n: i32) -> f64 {
     if n < 20 {
         return (2..=n).map(f64::from).product::<f64>().log2();
     }

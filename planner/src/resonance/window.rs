@@ -37,10 +37,15 @@ const DIRECTIONS: u32 = 48;
 /// A beam's degrees end where `w_l^2` is below it.
 const LEAST_BEAM_POWER: f64 = 1e-6;
 
+/// `x = l / nside` and the integral of `w^2` over x beyond it, which falls about as `x^-2`.
+const TAILS: [(f64, f64); 2] = [(6.0, 0.0888), (12.0, 0.0250)];
+
 /// Weights of degrees l = 0 to `l_max`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window {
     weights: Vec<f64>,
+    /// Of a HEALPix map's pixels.
+    nside: Option<Nside>,
 }
 
 /// Why there is no window.
@@ -74,7 +79,7 @@ impl Window {
             let l = f64::from(l);
             chebyshev(&series, l * (l + 1.0) * per * per).max(0.0).sqrt()
         };
-        Ok(Self { weights: (0..).take(l_max + 1).map(weight).collect() })
+        Ok(Self { weights: (0..).take(l_max + 1).map(weight).collect(), nside: Some(nside) })
     }
 
     /// The window of a Gaussian beam, to where it keeps 1e-6 of the power.
@@ -98,13 +103,38 @@ impl Window {
         if weights.len() < 3 || weights.len() > MAX_L + 1 {
             return Err(refused);
         }
-        Ok(Self { weights })
+        Ok(Self { weights, nside: None })
     }
 
     /// `w_l` from l = 0.
     #[must_use]
     pub fn weights(&self) -> &[f64] {
         &self.weights
+    }
+
+    /// The map whose pixels it stands for, if not a beam.
+    pub(super) const fn nside(&self) -> Option<Nside> {
+        self.nside
+    }
+
+    /// The same with twice as many degrees, as far as they are supported; those beyond have the last
+    /// weight. `None` for a beam, which has all that count.
+    pub(super) fn doubled(&self) -> Option<Self> {
+        self.nside?;
+        let mut doubled = self.clone();
+        let last = self.weights.last().copied().unwrap_or(0.0);
+        doubled.weights.resize((2 * self.l_max()).min(MAX_L) + 1, last);
+        Some(doubled)
+    }
+
+    /// Sum of `w_l^2` over the degrees beyond the last; none for a beam.
+    pub(super) fn powers_beyond(&self) -> f64 {
+        self.nside.map_or(0.0, |nside| {
+            let nside = f64::from(nside.get());
+            let last = f64::from(u32::try_from(self.l_max()).unwrap_or(u32::MAX)) / nside;
+            let (x, from_x) = if last < 9.0 { TAILS[0] } else { TAILS[1] };
+            nside * from_x * (x / last).powi(2)
+        })
     }
 
     /// The largest degree.
@@ -254,6 +284,22 @@ mod tests {
             let x = f64::from(i) / 10.0;
             let off = chebyshev(&series, x * x) - pixel_power(&shapes, x);
             assert!(off.abs() < 1e-9, "{x}: {off:e}");
+        }
+    }
+
+    #[test]
+    fn tails_are_integrals() {
+        let shapes = shapes();
+        for (from, expected) in TAILS {
+            let count = ((48.0 - from) * 4.0_f64).round();
+            let (mut sum, mut i) = (0.0, 0.5);
+            while i < count {
+                sum += 0.25 * pixel_power(&shapes, from + 0.25 * i);
+                i += 1.0;
+            }
+            // w^2 falls about as x^-3: half of x w^2 is left, w^2 from 6e-5 to 1e-4.
+            let left = 24.0 * 8e-5;
+            assert!((sum + left - expected).abs() < 1e-3, "{from}: {sum} {expected}");
         }
     }
 

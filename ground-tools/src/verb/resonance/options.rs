@@ -4,6 +4,7 @@ use crate::cli::{ActuatorArgs, ResonanceArgs};
 use crate::failure::Failure;
 use crate::number::{Number, nearest};
 use crate::quantity;
+use crate::resonance_check::NSIDE;
 use crate::rounding;
 use crate::verb::table::angle;
 use num_rational::BigRational;
@@ -20,23 +21,21 @@ const PRECESSION_STEPS: i64 = 50;
 const SPIN_STEPS: i64 = 10;
 
 pub(super) fn window(arguments: &ResonanceArgs) -> Result<Window, Failure> {
-    match &arguments.fwhm {
-        Some(text) => Window::beam(angle("--fwhm", text)?)
-            .map_err(|error| Failure::Input(format!("--fwhm {text}: {error}"))),
-        None => {
-            let nside = arguments.nside.unwrap_or(crate::resonance_check::NSIDE);
-            let wrong = |error: String| Failure::Input(format!("--nside {nside}: {error}"));
-            let nside = Nside::new(nside).map_err(|error| wrong(error.to_string()))?;
-            Window::pixel(nside).map_err(|error| wrong(error.to_string()))
-        }
+    if let Some(text) = &arguments.fwhm {
+        return Window::beam(angle("--fwhm", text)?)
+            .map_err(|error| Failure::Input(format!("--fwhm {text}: {error}")));
     }
+    let nside = arguments.nside.unwrap_or(NSIDE);
+    let wrong = |error: String| Failure::Input(format!("--nside {nside}: {error}"));
+    let nside = Nside::new(nside).map_err(|error| wrong(error.to_string()))?;
+    Window::pixel(nside).map_err(|error| wrong(error.to_string()))
 }
 
 /// What judges are named by.
 pub(super) fn scale(arguments: &ResonanceArgs) -> String {
     match &arguments.fwhm {
         Some(text) => format!("a beam of {text}"),
-        None => format!("N_side {}", arguments.nside.unwrap_or(crate::resonance_check::NSIDE)),
+        None => format!("N_side {}", arguments.nside.unwrap_or(NSIDE)),
     }
 }
 
@@ -259,9 +258,9 @@ impl Actuators {
         };
         let axis = |name: &str, [error, step, drift]: [&Option<String>; 3]| {
             Ok::<_, Failure>(Actuator {
-                error_rad_s: rate(&format!("--{name}-rate-error"), error, 1)?,
-                step_rad_s: rate(&format!("--{name}-rate-step"), step, 1)?,
-                drift_rad_s2: rate(&format!("--{name}-rate-drift"), drift, 2)?,
+                error_rad_s: rate(&format!("--{name}-rate-error"), error.as_ref(), 1)?,
+                step_rad_s: rate(&format!("--{name}-rate-step"), step.as_ref(), 1)?,
+                drift_rad_s2: rate(&format!("--{name}-rate-drift"), drift.as_ref(), 2)?,
             })
         };
         let precession = [precession_rate_error, precession_rate_step, precession_rate_drift];
@@ -275,7 +274,7 @@ impl Actuators {
 }
 
 /// An angle per time, or per time and time, in radians and seconds; 0 where not named.
-fn rate(option: &str, text: &Option<String>, times: usize) -> Result<f64, Failure> {
+fn rate(option: &str, text: Option<&String>, times: usize) -> Result<f64, Failure> {
     let Some(text) = text else { return Ok(0.0) };
     let example = if times == 1 { "0.001arcsec/s" } else { "0.001arcsec/s/d" };
     let wrong = |what: &str| Failure::Input(format!("{option} {text}: {what}"));
