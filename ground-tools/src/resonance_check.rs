@@ -7,16 +7,17 @@
 //! Limits: one detector on the boresight; pixels to `N_side` 512.
 
 use crate::failure::Failure;
+use crate::number::{Number, nearest};
 use crate::world::World;
+use onboard_core::phase::Rotor;
 use onboard_core::time::Duration;
 use planner::healpix::Nside;
 use planner::resonance::motion::YEAR_S;
 use planner::resonance::{
-    Certificate, CertificateError, Choice, Demand, Motion, Orbit, Predictor, Recommendation,
-    Tolerance, Window, Worst,
+    Certificate, CertificateError, Choice, Crosslink, Demand, Motion, Orbit, Predictor,
+    Recommendation, Tolerance, Window, Worst,
 };
 use serde_json::{Value, json};
-use std::f64::consts::TAU;
 use std::fmt::Write;
 
 /// Pixels at which `plan` and `verify` look.
@@ -61,7 +62,10 @@ impl ResonanceCheck {
         let span_s = world.end.since(world.start).seconds();
         let duration_s = duration_s.unwrap_or(YEAR_S).min(span_s);
         let scan = world.scan.parameters();
-        let signed = |rate: f64| TAU / rate;
+        let signed = |period: &Number, rotor: Rotor| {
+            let sign = if rotor.rate.is_negative() { -60 } else { 60 };
+            nearest(&period.times(sign, 1))
+        };
         let direction = |share: f64| -> Result<[f64; 2], Failure> {
             let at = world.start.plus(Duration::from_seconds(share * duration_s));
             let direction = world.sky.sun_to_spacecraft(at).map_err(Failure::input)?;
@@ -72,8 +76,8 @@ impl ResonanceCheck {
             None => direction(0.0)?[0],
         };
         let motion = Motion {
-            precession_period_s: signed(scan.precession.rate.radians_per_second()),
-            spin_period_s: signed(scan.spin.rate.radians_per_second()),
+            precession_period_s: signed(&world.mission.scan.precession_period_min, scan.precession),
+            spin_period_s: signed(&world.mission.scan.spin_period_min, scan.spin),
             orbit_period_s: YEAR_S,
             duration_s,
             precession_phase_rad: scan.precession.start.radians(),
@@ -142,6 +146,14 @@ impl ResonanceCheck {
         self.predictor.recommend(&self.motion, &signed, &self.demand)
     }
 
+    /// The sky's means of `|h_n|^2` at the mission's periods; none where pixels stay unobserved.
+    pub fn crosslinks(&mut self, orders: &[u32]) -> Option<Vec<Crosslink>> {
+        if orders.is_empty() {
+            return Some(Vec::new());
+        }
+        self.predictor.crosslinks(&self.motion, orders)
+    }
+
     /// Precession periods close to the mission's, at its spin period.
     #[must_use]
     pub fn nearby(&self) -> Vec<[f64; 2]> {
@@ -180,8 +192,8 @@ impl Checked {
         json!({
             "verdict": self.verdict(),
             "eta": (motion.precession_period_s / motion.spin_period_s).abs(),
-            "precession_period_min": motion.precession_period_s.abs() / 60.0,
-            "spin_period_min": motion.spin_period_s.abs() / 60.0,
+            "precession_period_min": minutes(motion.precession_period_s),
+            "spin_period_min": minutes(motion.spin_period_s),
             "precession_tolerance_s": tolerance.precession_s,
             "spin_tolerance_s": tolerance.spin_s,
             "duration_days": motion.duration_s / 86_400.0,
@@ -204,13 +216,14 @@ impl Checked {
         let Certificate { excess, sigma_bound, sigma_floor, .. } = self.certificate;
         let (verb, sign) =
             if self.certificate.passes { ("pass", "within") } else { ("FAIL", "beyond") };
+        let rounded = |seconds: f64| (seconds * 1e6).round() / 1e6;
         let mut text = format!(
             "{verb}: within {} s and {} s of {} min and {} min sigma_hits / mean stays below {:.5}, \
              {:.2} % above the floor {:.5}, {sign} the allowed {} %",
-            self.tolerance.precession_s,
-            self.tolerance.spin_s,
-            self.motion.precession_period_s.abs() / 60.0,
-            self.motion.spin_period_s.abs() / 60.0,
+            rounded(self.tolerance.precession_s),
+            rounded(self.tolerance.spin_s),
+            minutes(self.motion.precession_period_s),
+            minutes(self.motion.spin_period_s),
             sigma_bound,
             100.0 * excess,
             sigma_floor,
@@ -226,15 +239,22 @@ impl Checked {
 /// A resonance in words.
 fn worst_text(worst: &Worst) -> String {
     let mut text = format!(
-        "the worst resonance is {} at {:.4} min, {} waves of {:.1} deg along the ecliptic, {}, \
-         beating in {:.2} d",
+        "the worst resonance is {} at {:.4} min, {}",
         fraction(worst),
-        worst.precession_period_s.abs() / 60.0,
-        (360.0 / worst.wavelength_rad.to_degrees()).round(),
-        worst.wavelength_rad.to_degrees(),
-        hemisphere(worst.northern_share),
-        worst.beat_s / 86_400.0,
+        minutes(worst.precession_period_s),
+        hemisphere(worst.northern_share)
     );
+    let wavelength = worst.wavelength_rad.to_degrees();
+    if wavelength < 360.0 {
+        let _ = write!(
+            text,
+            ", {:.0} waves of {wavelength:.1} deg along the ecliptic, beating in {:.2} d",
+            360.0 / wavelength,
+            worst.beat_s / 86_400.0
+        );
+    } else {
+        text.push_str(", standing still over the survey");
+    }
     if worst.distance_in_tolerances.is_finite() {
         let _ = write!(text, ", {:.2} tolerances away", worst.distance_in_tolerances);
     }
@@ -266,7 +286,7 @@ fn worst_json(worst: &Worst) -> Value {
         "m": worst.m,
         "multiple": worst.multiple,
         "sideband": if worst.sideband < 0 { "-" } else { "+" },
-        "precession_period_min": worst.precession_period_s.abs() / 60.0,
+        "precession_period_min": minutes(worst.precession_period_s),
         "wavelength_deg": finite(worst.wavelength_rad.to_degrees()),
         "beat_days": finite(worst.beat_s / 86_400.0),
         "northern_share": worst.northern_share,
@@ -277,13 +297,19 @@ fn worst_json(worst: &Worst) -> Value {
 
 fn choice_json(choice: &Choice) -> Value {
     json!({
-        "precession_period_min": choice.precession_period_s.abs() / 60.0,
-        "spin_period_min": choice.spin_period_s.abs() / 60.0,
+        "precession_period_min": minutes(choice.precession_period_s),
+        "spin_period_min": minutes(choice.spin_period_s),
         "sigma_bound_in_box": choice.certificate.sigma_bound,
         "excess": choice.certificate.excess,
         "verdict": if choice.certificate.passes { "pass" } else { "fail" },
         "tolerances_survived": choice.tolerances_survived,
     })
+}
+
+/// A period in minutes without its sign, to the nearest nanominute.
+#[must_use]
+pub fn minutes(period_s: f64) -> f64 {
+    (period_s.abs() / 60.0 * 1e9).round() / 1e9
 }
 
 /// JSON has no infinity.

@@ -6,11 +6,11 @@
 //! Limits: the [`MOST_PEAKS`] highest peaks carry names.
 
 use crate::picture::{Axis, Band, Chart, Drawing, Mark, PictureError, Scale, Series, Shape, chart};
-use crate::resonance_check::Checked;
+use crate::resonance_check::{Checked, minutes};
 use planner::resonance::Recommendation;
 
 /// Peaks that carry names.
-pub const MOST_PEAKS: usize = 10;
+pub const MOST_PEAKS: usize = 12;
 /// A peak that carries a name is above its surroundings by this share of the floor.
 const LEAST_PEAK: f64 = 0.004;
 /// Points on either side within which a peak is the highest.
@@ -41,24 +41,15 @@ pub fn figure(
     let ends = (line.first().map_or(0.0, |it| it.0), line.last().map_or(1.0, |it| it.0));
     let certificate = &checked.certificate;
     let limit = certificate.sigma_floor * (1.0 + checked.allowed);
-    let nominal = checked.motion.precession_period_s.abs() / 60.0;
+    let nominal = minutes(checked.motion.precession_period_s);
     // Errors of the spin period count as ones of the precession period.
     let eta = (checked.motion.precession_period_s / checked.motion.spin_period_s).abs();
     let half = (checked.tolerance.precession_s + eta * checked.tolerance.spin_s) / 60.0;
     let within = (nominal - half, nominal + half);
-    let peaks = peaks(scan, certificate.sigma_floor);
-    let spin_min = checked.motion.spin_period_s.abs() / 60.0;
-    let names: Vec<(f64, String)> = peaks
-        .iter()
-        .filter_map(|it| {
-            let [p, q, _] = it.strongest?;
-            let sign = if it.minutes < f64::from(p) / f64::from(q) * spin_min { '-' } else { '+' };
-            Some((it.minutes, format!("{p}/{q}{sign}")))
-        })
-        .collect();
+    let names = peaks(scan, certificate.sigma_floor, minutes(checked.motion.spin_period_s));
     let mut marks: Vec<Mark> = names.iter().map(|(at, name)| Mark { at: *at, name }).collect();
     if let Some(found) = recommended {
-        let at = found.quietest.precession_period_s.abs() / 60.0;
+        let at = minutes(found.quietest.precession_period_s);
         marks.push(Mark { at, name: "recommended" });
     }
     let allowed = format!("floor and {} %", 100.0 * checked.allowed);
@@ -86,22 +77,32 @@ pub fn figure(
     })
 }
 
-/// The highest peaks, by precession period.
-fn peaks(scan: &[Point], floor: f64) -> Vec<Point> {
+/// The highest peak of each sideband with its name, the [`MOST_PEAKS`] highest of them.
+fn peaks(scan: &[Point], floor: f64, spin_min: f64) -> Vec<(f64, String)> {
     let mut peaks: Vec<Point> = scan
         .iter()
         .enumerate()
         .filter(|(index, it)| {
             let beside = &scan[index.saturating_sub(BESIDE)..(index + BESIDE + 1).min(scan.len())];
             let highest = beside.iter().fold(0.0_f64, |most, it| most.max(it.sigma));
-            it.strongest.is_some_and(|it| it[1] > 0)
-                && it.sigma >= highest
-                && it.sigma > floor * (1.0 + LEAST_PEAK)
+            it.sigma >= highest && it.sigma > floor * (1.0 + LEAST_PEAK)
         })
         .map(|(_, it)| *it)
         .collect();
     peaks.sort_by(|a, b| b.sigma.total_cmp(&a.sigma).then(a.minutes.total_cmp(&b.minutes)));
-    peaks.truncate(MOST_PEAKS);
-    peaks.sort_by(|a, b| a.minutes.total_cmp(&b.minutes));
-    peaks
+    let mut named: Vec<(f64, String)> = Vec::new();
+    for Point { minutes, strongest, .. } in peaks {
+        let Some([p, q, _]) = strongest.filter(|it| it[1] > 0) else { continue };
+        let off = minutes - f64::from(p) / f64::from(q) * spin_min;
+        let sign = match off {
+            _ if off.abs() < 1e-9 * minutes => "",
+            _ if off < 0.0 => "-",
+            _ => "+",
+        };
+        let name = format!("{p}/{q}{sign}");
+        if named.len() < MOST_PEAKS && named.iter().all(|(_, other)| *other != name) {
+            named.push((minutes, name));
+        }
+    }
+    named
 }

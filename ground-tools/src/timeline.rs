@@ -2,8 +2,6 @@
 //!
 //! Built from a schedule over opportunities; written as JSON, as CSV and as the records of the
 //! uplink table. Ids name telescope, target and precession turn, so they survive replanning.
-//!
-//! Limits: the resonance check is not part of this version; its field is null.
 
 use crate::cli::Format;
 use crate::degrees;
@@ -11,6 +9,7 @@ use crate::failure::Failure;
 use crate::output::WriteError;
 use crate::passes::{Found, told};
 use crate::provenance::Provenance;
+use crate::resonance_check::Checked;
 use crate::rows::{self, Layout};
 use crate::sightline::SightLine;
 use crate::world::World;
@@ -20,6 +19,7 @@ use onboard_core::sun::SunModel;
 use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::SessionRecord;
 use planner::opportunity::{Opportunities, Opportunity};
+use planner::resonance::Recommendation;
 use planner::schedule::{Because, ConstraintUse, Problem, Rule, Schedule};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -42,6 +42,17 @@ pub struct Planned<'p> {
     pub problem: &'p Problem,
     /// Its schedule.
     pub schedule: &'p Schedule,
+    /// Whether its periods beat, where that can be judged.
+    pub resonance: Option<&'p Resonance>,
+}
+
+/// The check of the mission's periods, and where it fails what else to fly.
+#[derive(Debug, Clone, Copy)]
+pub struct Resonance {
+    /// The check.
+    pub checked: Checked,
+    /// Periods nearby.
+    pub recommended: Option<Recommendation>,
 }
 
 /// A timeline, as `timeline.json` holds it.
@@ -64,7 +75,7 @@ pub struct Timeline {
     pub rejected: Vec<Rejected>,
     /// How far the rules are used.
     pub constraints: Vec<Constraint>,
-    /// Not evaluated by this version.
+    /// Whether the periods beat on the sky, as `resonance --json` says it; null where not judged.
     pub resonance: Option<Value>,
 }
 
@@ -171,7 +182,7 @@ impl Planned<'_> {
             sessions,
             rejected,
             constraints: schedule.constraints.iter().map(|it| self.constraint(it)).collect(),
-            resonance: None,
+            resonance: self.resonance.map(|it| it.checked.json(it.recommended.as_ref())),
         })
     }
 

@@ -257,6 +257,7 @@ fn histogram(scale: Scale) -> Drawing {
             Mark { at: 192.348, name: "precession" },
             Mark { at: 0.0, name: "none" },
         ],
+        bands: &[],
         width_px: 700,
         height_px: 450,
     })
@@ -303,7 +304,8 @@ fn odd_charts_are_drawn_or_told() {
                 x: axis(scale),
                 y: axis(scale),
                 series: &[Series { name: "", shape: Shape::Line(points) }],
-                marks: &[Mark { at: f64::NAN, bands: &[], name: "nowhere" }],
+                marks: &[Mark { at: f64::NAN, name: "nowhere" }],
+                bands: &[],
                 width_px: 200,
                 height_px: 150,
             })

@@ -210,6 +210,9 @@ pub struct ResonanceArgs {
     /// Recommend a spin period out of these minutes too; without it the mission's
     #[arg(long, value_name = "LO:HI[:STEP]", allow_hyphen_values = true)]
     pub spin_range: Option<String>,
+    /// Predict the means of these cross-link factors too: 1,2,4
+    #[arg(long, value_name = "N,...", value_delimiter = ',')]
+    pub crosslink: Vec<u32>,
     /// What holds the rates.
     #[command(flatten)]
     pub actuators: ActuatorArgs,

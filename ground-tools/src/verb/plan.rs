@@ -7,8 +7,9 @@ use crate::mission::schedule::Exclusive as ExclusiveKey;
 use crate::output::write_folder;
 use crate::passes::{Found, search};
 use crate::provenance::PROGRAM;
+use crate::resonance_check::{ResonanceCheck, minutes};
 use crate::sightline::{SightLine, of_plan};
-use crate::timeline::{Planned, Timeline};
+use crate::timeline::{Planned, Resonance, Timeline};
 use crate::uplink::{Contents, slow_checks};
 use crate::world::World;
 use ephem::fit::FitOptions;
@@ -36,6 +37,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     refuse_others_folder(&folder, arguments.force)?;
     let world = world(shared)?;
     warn(shared, &slow_checks(&world));
+    let resonance = resonance(shared, &world)?;
     let tables = world.tables(&FitOptions::UPLINK)?;
     let table = tables.parse()?;
     let lines = of_plan(&world.mission)?;
@@ -52,6 +54,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         opportunities: &opportunities,
         problem: &problem,
         schedule: &schedule,
+        resonance: resonance.as_ref(),
     };
     let timeline = planned.timeline()?;
     let records = planned.records()?;
@@ -66,10 +69,34 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         FILES.into_iter().zip(files.iter().map(Vec::as_slice)).collect();
     write_folder(&folder, &named)?;
     if shared.json {
-        print_json(&summary(&world, &timeline, &opportunities))
+        print_json(&summary(&world, &timeline, &opportunities))?;
     } else {
-        tell(shared, &told(&world, &timeline, &opportunities, &folder))
+        let resonance = resonance.as_ref();
+        tell(shared, &told(&world, &timeline, &opportunities, (&folder, resonance)))?;
     }
+    match &resonance {
+        Some(Resonance { checked, .. }) if arguments.strict && !checked.certificate.passes => {
+            let name = &world.mission.name;
+            Err(Failure::Check(format!("{name}: resonance: {}", checked.sentence())))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The check of the periods; one that cannot be made is a warning. Where it fails, periods nearby
+/// are recommended.
+fn resonance(shared: &SharedArgs, world: &World) -> Result<Option<Resonance>, Failure> {
+    let mut check = ResonanceCheck::of_mission(world)?;
+    let checked = match check.certify() {
+        Ok(checked) => checked,
+        Err(error) => {
+            warn(shared, &[format!("resonance cannot be judged: {error}")]);
+            return Ok(None);
+        }
+    };
+    let candidates = if checked.certificate.passes { Vec::new() } else { check.nearby() };
+    let recommended = check.recommend(&candidates).map_err(Failure::input)?;
+    Ok(Some(Resonance { checked, recommended }))
 }
 
 /// A place that cannot be a folder is told before the work; a folder that is not empty must be one
@@ -216,6 +243,7 @@ fn summary(world: &World, timeline: &Timeline, opportunities: &Opportunities) ->
         "upper_bound": timeline.upper_bound,
         "gap": timeline.gap,
         "stopped": timeline.stopped,
+        "resonance": timeline.resonance,
     })
 }
 
@@ -223,10 +251,26 @@ fn told(
     world: &World,
     timeline: &Timeline,
     opportunities: &Opportunities,
-    folder: &Path,
+    (folder, resonance): (&Path, Option<&Resonance>),
 ) -> String {
     let mission = &world.mission;
-    let mut text = format!(
+    let mut text = String::new();
+    if let Some(Resonance { checked, recommended }) = resonance
+        && !checked.certificate.passes
+    {
+        let _ = writeln!(text, "RESONANCE: {}", checked.sentence());
+        if let Some(nearby) = recommended.map(|it| it.quietest) {
+            let _ = writeln!(
+                text,
+                "nearby, {:.4} min has the smallest bound: {:.2} % above the floor",
+                minutes(nearby.precession_period_s),
+                100.0 * nearby.certificate.excess
+            );
+        }
+        text.push('\n');
+    }
+    let _ = write!(
+        text,
         "{}: calibration timeline, {} for {} days\nkernel {}, trajectory {}\n\n",
         mission.name,
         mission.span.start.text(),
@@ -264,6 +308,9 @@ fn told(
         100.0 * timeline.gap,
         timeline.stopped
     );
+    if let Some(Resonance { checked, .. }) = resonance.filter(|it| it.checked.certificate.passes) {
+        let _ = writeln!(text, "resonance: {}\n", checked.sentence());
+    }
     first_weeks(&mut text, world, timeline);
     let _ = writeln!(text, "\nwritten to {}: {}", folder.display(), FILES.join(", "));
     text

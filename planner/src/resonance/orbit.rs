@@ -11,7 +11,10 @@
 //! Method: Gauss and Legendre's nodes over the survey, as many as the fastest phase needs
 //! (test `coefficients_meet_their_sum`).
 //!
-//! Limits: a year later the deviation is the same; latitudes are given by the largest one.
+//! Latitudes count from the plane that fits them best: a tilted plane turns the whole map.
+//!
+//! Limits: a year later the deviation is the same; latitudes are given by the largest one; planes are
+//! tilted by a small angle.
 
 use super::motion::Motion;
 use super::power::sinc;
@@ -73,7 +76,8 @@ impl Orbit {
             let off = longitude - start - TAU * orbits * share;
             Ok([off - TAU * (off / TAU).round(), latitude])
         };
-        let (mut rate, mut slowness, mut latitude_rad) = (0.0_f64, 0.0, 0.0_f64);
+        let (mut rate, mut slowness) = (0.0_f64, 0.0);
+        let mut seen = Vec::new();
         for i in 0..RATE_POINTS {
             let share = (f64::from(i) + 0.5) / f64::from(RATE_POINTS);
             let [before, latitude] = deviation(share - RATE_STEP)?;
@@ -81,8 +85,9 @@ impl Orbit {
             let faster = (after - before) / (2.0 * RATE_STEP * TAU * orbits);
             rate = rate.max(faster.abs());
             slowness += 1.0 / ((1.0 + faster) * f64::from(RATE_POINTS));
-            latitude_rad = latitude_rad.max(latitude.abs());
+            seen.push([start + TAU * orbits * share + before, latitude]);
         }
+        let latitude_rad = off_plane(&seen);
         #[expect(clippy::cast_precision_loss, reason = "a degree")]
         let turns = orbits.abs() * (super::power::REACH + 2.0 * rate * l_max as f64);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
@@ -105,7 +110,7 @@ impl Orbit {
         self.rate
     }
 
-    /// Largest ecliptic latitude in radians.
+    /// Largest latitude about the orbit's plane in radians.
     #[must_use]
     pub const fn latitude_rad(&self) -> f64 {
         self.latitude_rad
@@ -150,6 +155,28 @@ impl Orbit {
         let phasors = phasors.collect();
         Arch::new().dispatch(Squares { phasors, count })
     }
+}
+
+/// The largest latitude about the plane that fits longitudes and latitudes best.
+fn off_plane(seen: &[[f64; 2]]) -> f64 {
+    // Latitude a sin(longitude) + b cos(longitude), by least squares.
+    let (mut ss, mut sc, mut cc, mut sy, mut cy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for &[longitude, latitude] in seen {
+        let (s, c) = longitude.sin_cos();
+        (ss, sc, cc) = (ss + s * s, sc + s * c, cc + c * c);
+        (sy, cy) = (sy + s * latitude, cy + c * latitude);
+    }
+    let determinant = ss * cc - sc * sc;
+    let [a, b] = if determinant > 1e-6 * (ss + cc).powi(2) {
+        [(sy * cc - cy * sc) / determinant, (cy * ss - sy * sc) / determinant]
+    } else {
+        [0.0, 0.0]
+    };
+    let off = seen.iter().map(|&[longitude, latitude]| {
+        let (s, c) = longitude.sin_cos();
+        (latitude - a * s - b * c).abs()
+    });
+    off.fold(0.0, f64::max)
 }
 
 /// Phasors of [`LANES`] nodes, and what a step turns them by.
@@ -236,6 +263,21 @@ mod tests {
                 assert!((sum - all * orbit.slowness()).abs() < 0.03, "{m_star}: {sum} {all}");
             }
         }
+    }
+
+    #[test]
+    fn a_tilted_plane_is_no_latitude() {
+        let motion = Motion::year(1e4, 1e3);
+        let tilted = |latitude: f64, ripple: f64| {
+            let direction = |share: f64| -> Result<[f64; 2], std::convert::Infallible> {
+                let at = TAU * share;
+                Ok([at, latitude * (at - 1.0).sin() + ripple * (2.0 * at).sin()])
+            };
+            let Ok(orbit) = Orbit::follow(&motion, 768, direction);
+            orbit.latitude_rad()
+        };
+        assert!(tilted(1e-3, 0.0) < 1e-12);
+        assert!((tilted(1e-3, 1e-4) / 1e-4 - 1.0).abs() < 1e-3);
     }
 
     #[test]

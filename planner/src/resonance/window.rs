@@ -55,7 +55,9 @@ pub enum WindowError {
     #[error("nside {0} needs degrees beyond {MAX_L}; up to 512 is supported")]
     Nside(u32),
     /// A beam that is not positive, or too fine or too wide.
-    #[error("a beam of {fwhm_rad} rad has no window of 2 to {MAX_L} degrees")]
+    #[error(
+        "a beam of {} arcmin has no window within the degrees that are supported; a full width from 14.7 arcmin to 200 deg is needed", fwhm_rad.to_degrees() * 60.0
+    )]
     Beam {
         /// Full width at half maximum in radians.
         fwhm_rad: f64,

@@ -12,12 +12,12 @@ use crate::failure::Failure;
 use crate::output::Sink;
 use crate::picture::{Figure, write_figures};
 use crate::provenance::Provenance;
-use crate::resonance_check::{Checked, ResonanceCheck};
+use crate::resonance_check::{Checked, ResonanceCheck, minutes};
 use crate::resonance_figure::{Point, figure};
 use crate::world::World;
 use options::{Actuators, Periods};
 use planner::resonance::actuator::tolerance_after;
-use planner::resonance::{CertificateError, Choice, Recommendation, Tolerance};
+use planner::resonance::{CertificateError, Choice, Crosslink, Recommendation, Tolerance};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -43,6 +43,7 @@ struct Row {
 pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), Failure> {
     let window = options::window(arguments)?;
     let allowed = options::allowed(&arguments.allow)?;
+    options::orders(&arguments.crosslink)?;
     let tolerance = arguments.tolerance.as_deref().map(options::tolerance).transpose()?;
     let actuators = Actuators::read(&arguments.actuators)?;
     let scan = arguments.scan.as_deref().map(Periods::scan).transpose()?;
@@ -61,7 +62,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
     }
     let candidates = options::candidates(arguments, &check.motion, actuators.as_ref())?;
     let candidates = candidates.unwrap_or_else(|| check.nearby());
-    let spin_min = check.motion.spin_period_s.abs() / 60.0;
+    let spin_min = minutes(check.motion.spin_period_s);
     if let (Some(periods), Some(text)) = (&scan, &arguments.scan) {
         let shortest = periods.minutes().next().unwrap_or(0.0);
         if shortest <= spin_min {
@@ -80,6 +81,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
 
     let checked = check.certify().map_err(Failure::input)?;
     let recommended = check.recommend(&candidates).map_err(Failure::input)?;
+    let crosslinks = check.crosslinks(&arguments.crosslink);
     let lasting = actuators.map(|it| lasting(&mut check, &checked, &it)).transpose()?;
     if scan.is_some() && !(shared.json && sink(shared) == Sink::Stdout) {
         rows(shared, &points, &provenance)?;
@@ -97,8 +99,13 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
         let figures = [Figure { stem: "resonance".to_owned(), drawing }];
         files = write_figures([arguments.png.as_deref(), arguments.svg.as_deref()], &figures)?;
     }
-    let report =
-        Report { world: &world, checked: &checked, recommended: recommended.as_ref(), lasting };
+    let report = Report {
+        world: &world,
+        checked: &checked,
+        recommended: recommended.as_ref(),
+        crosslinks,
+        lasting,
+    };
     if shared.json {
         print_json(&report.json(&provenance, &files)?)?;
     } else if scan.is_none() {
@@ -118,7 +125,7 @@ fn point(check: &mut ResonanceCheck, minutes: f64) -> Point {
 
 /// Points about the tolerance box and the mission's surroundings.
 fn around(check: &mut ResonanceCheck, checked: &Checked) -> Vec<Point> {
-    let nominal = checked.motion.precession_period_s.abs() / 60.0;
+    let nominal = minutes(checked.motion.precession_period_s);
     let eta = (checked.motion.precession_period_s / checked.motion.spin_period_s).abs();
     let box_min = (checked.tolerance.precession_s + eta * checked.tolerance.spin_s) / 60.0;
     let half = (0.0025 * nominal).max(2.0 * box_min).min(0.5 * nominal);
@@ -223,6 +230,8 @@ struct Report<'r> {
     world: &'r World,
     checked: &'r Checked,
     recommended: Option<&'r Recommendation>,
+    /// None where pixels stay unobserved.
+    crosslinks: Option<Vec<Crosslink>>,
     lasting: Option<Lasting>,
 }
 
@@ -230,6 +239,10 @@ impl Report<'_> {
     fn json(&self, provenance: &Provenance, files: &[String]) -> Result<Value, Failure> {
         let mut value = self.checked.json(self.recommended);
         value["actuators"] = self.lasting.as_ref().map_or(Value::Null, Lasting::json);
+        value["crosslink"] = self.crosslinks.as_ref().map_or(Value::Null, |it| {
+            let each = |it: &Crosslink| json!({"n": it.order, "mean": it.mean});
+            it.iter().map(each).collect()
+        });
         value["files"] = json!(files);
         value["provenance"] = serde_json::to_value(provenance).map_err(Failure::internal)?;
         Ok(value)
@@ -238,6 +251,7 @@ impl Report<'_> {
     fn text(&self, scale: &str, files: &[String]) -> String {
         let Checked { motion, tolerance, certificate, allowed } = self.checked;
         let scan = &self.world.mission.scan;
+        let rounded = |seconds: f64| (seconds * 1e6).round() / 1e6;
         let mut text = format!(
             "{}: resonance of precession, spin and orbit, hits of {:.2} d at {scale}\n\
              alpha {} deg, beta {} deg, T_alpha {} min +- {} s, T_beta {} min +- {} s, ratio {:.6}\n\n",
@@ -245,10 +259,10 @@ impl Report<'_> {
             motion.duration_s / 86_400.0,
             scan.alpha_deg,
             scan.beta_deg,
-            motion.precession_period_s.abs() / 60.0,
-            tolerance.precession_s,
-            motion.spin_period_s.abs() / 60.0,
-            tolerance.spin_s,
+            minutes(motion.precession_period_s),
+            rounded(tolerance.precession_s),
+            minutes(motion.spin_period_s),
+            rounded(tolerance.spin_s),
             (motion.precession_period_s / motion.spin_period_s).abs()
         );
         let _ = writeln!(text, "{}\n", self.checked.sentence());
@@ -262,6 +276,18 @@ impl Report<'_> {
             ("allowed", certificate.sigma_floor * (1.0 + allowed)),
         ] {
             let _ = writeln!(text, "{name:<34} {sigma:>12.6} {:>8.2} %", excess(sigma));
+        }
+        match &self.crosslinks {
+            None => text.push_str("\nno cross-link means: the scan leaves pixels unobserved\n"),
+            Some(means) if means.is_empty() => {}
+            Some(means) => {
+                let _ =
+                    writeln!(text, "\n{:<34} {:>12} {:>10}", "mean of |h_n|^2", "value", "smooth");
+                for it in means {
+                    let name = format!("n = {}", it.order);
+                    let _ = writeln!(text, "{name:<34} {:>12.6} {:>10.6}", it.mean, it.smooth_mean);
+                }
+            }
         }
         if let Some(found) = self.recommended {
             let _ = writeln!(
@@ -294,8 +320,8 @@ fn row(choice: &Choice) -> String {
     let more = if *tolerances_survived > 0.98 * most { ">" } else { "" };
     format!(
         "{:>12.4} {:>10.4} {:>10.6} {:>6.2} % {:>10}",
-        precession_period_s.abs() / 60.0,
-        spin_period_s.abs() / 60.0,
+        minutes(*precession_period_s),
+        minutes(*spin_period_s),
         certificate.sigma_bound,
         100.0 * certificate.excess,
         format!("{more}{tolerances_survived:.2}")

@@ -4,12 +4,13 @@ use crate::cli::{ActuatorArgs, ResonanceArgs};
 use crate::failure::Failure;
 use crate::number::{Number, nearest};
 use crate::quantity;
-use crate::resonance_check::NSIDE;
+use crate::resonance_check::{NSIDE, minutes};
 use crate::rounding;
 use crate::verb::table::angle;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use planner::healpix::Nside;
+use planner::resonance::crosslink::MAX_ORDER;
 use planner::resonance::{Actuator, Motion, Tolerance, Window};
 
 /// Rows of a scan, at most.
@@ -48,6 +49,16 @@ pub(super) fn allowed(text: &str) -> Result<f64, Failure> {
         Ok(percent / 100.0)
     } else {
         Err(wrong("a percentage from 0 to 1000 is needed".to_owned()))
+    }
+}
+
+/// Orders of cross-link means.
+pub(super) fn orders(orders: &[u32]) -> Result<(), Failure> {
+    match orders.iter().find(|order| !(1..=MAX_ORDER).contains(*order)) {
+        None => Ok(()),
+        Some(order) => Err(Failure::Input(format!(
+            "--crosslink {order}: orders from 1 to {MAX_ORDER} are needed"
+        ))),
     }
 }
 
@@ -200,8 +211,8 @@ pub(super) fn candidates(
         return Err(Failure::Input(format!(
             "--precession-range and --spin-range: the spin period {} min must be shorter than the \
              precession period {} min",
-            longest / 60.0,
-            shortest / 60.0
+            minutes(longest),
+            minutes(shortest)
         )));
     }
     Ok(Some(spin.iter().flat_map(|&b| precession.iter().map(move |&a| [a, b])).collect()))

@@ -93,7 +93,8 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
         sink(shared).write_with(|out| rows::write(out, all, &layout))?;
     }
     let against_fit = arguments.against == Against::Fit;
-    let report = Report::new(&world, &history, &rows, (fitted, limit_arcsec, against_fit));
+    let mut report = Report::new(&world, &history, &rows, (fitted, limit_arcsec, against_fit));
+    report.judge_resonance()?;
     if shared.json {
         print_json(&report.json(&provenance)?)?;
     } else if sink(shared) != Sink::Stdout || shared.out.is_none() {

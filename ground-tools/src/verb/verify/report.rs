@@ -9,12 +9,14 @@ use crate::failure::Failure;
 use crate::history::History;
 use crate::number::Number;
 use crate::provenance::Provenance;
+use crate::resonance_check::{Checked, ResonanceCheck};
 use crate::scan_fit::follow::Ambiguous;
 use crate::scan_fit::{Estimate, Fit, Observable, Turning};
 use crate::world::World;
 use ephem::time::format_tdb;
 use onboard_core::phase::Rotor;
 use onboard_core::scan::ScanParameters;
+use planner::resonance::Tolerance;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -39,6 +41,8 @@ pub(super) struct Report<'r> {
     /// Indices of the rows before gaps.
     gaps: Vec<usize>,
     within: Option<bool>,
+    /// Of the fitted periods within three standard errors.
+    resonance: Option<Checked>,
     /// Why the check fails; empty where it passes.
     pub(super) failed: Vec<String>,
 }
@@ -125,10 +129,31 @@ impl<'r> Report<'r> {
             median_step_ns,
             gaps,
             within: None,
+            resonance: None,
             failed: Vec::new(),
         };
         report.judge();
         report
+    }
+
+    /// Whether the fitted periods beat on the sky, three standard errors either way.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where the kernel does not cover the mission.
+    pub(super) fn judge_resonance(&mut self) -> Result<(), Failure> {
+        let Ok(Fit { precession: Some(precession), spin, .. }) = &self.fit else { return Ok(()) };
+        let parameters = self.world.scan.parameters();
+        let mut check = ResonanceCheck::of_mission(self.world)?;
+        let fitted = Period::new(parameters.precession, precession);
+        let spin = Period::new(parameters.spin, spin);
+        check.motion.precession_period_s =
+            fitted.seconds.copysign(check.motion.precession_period_s);
+        check.motion.spin_period_s = spin.seconds.copysign(check.motion.spin_period_s);
+        check.demand.tolerance =
+            Tolerance { precession_s: SURE * fitted.sigma, spin_s: SURE * spin.sigma };
+        // Periods or errors that cannot be judged are none that beat.
+        self.resonance = check.certify().ok();
+        Ok(())
     }
 
     fn judge(&mut self) {
@@ -260,7 +285,7 @@ impl<'r> Report<'r> {
             "ambiguous": ambiguous,
             "fit": self.fit.as_ref().ok().map(|fit| fit_json(self.world.scan.parameters(), fit)),
             "periods_within_tolerance": self.within,
-            "resonance": null,
+            "resonance": self.resonance.as_ref().map(|it| it.json(None)),
             "provenance": serde_json::to_value(provenance).map_err(Failure::internal)?,
         }))
     }
@@ -316,7 +341,11 @@ impl<'r> Report<'r> {
             Some(false) => "beyond tolerance",
             None => "not decided by this history",
         };
-        writeln!(out, "\nperiods: {within}\nverdict: {}", self.verdict())
+        writeln!(out, "\nperiods: {within}")?;
+        if let Some(resonance) = &self.resonance {
+            writeln!(out, "resonance of the fitted periods: {}", resonance.sentence())?;
+        }
+        writeln!(out, "verdict: {}", self.verdict())
     }
 }
 
