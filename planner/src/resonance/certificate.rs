@@ -165,7 +165,8 @@ impl Predictor {
         let whole = checked_box(&motion, tolerance, orbit)?;
         let nominal = self.predict(&motion);
         let l_max = f64::from(self.l_max());
-        let mut survey = Survey::new(motion, orbit, nominal.smooth_variance, l_max);
+        let mut survey =
+            Survey::new(motion, orbit, nominal.smooth_variance + nominal.beyond_variance, l_max);
         let limit = (floor * (1.0 + allowed)).powi(2);
         let mut slices = Vec::new();
         let mut refuted = nominal.variance > limit;
@@ -405,7 +406,8 @@ mod tests {
         let mut bound = |minutes: f64, width: f64, orbit: &Orbit| {
             let motion = Motion::year(minutes * 60.0, 1200.0);
             let tolerance = Tolerance { precession_s: width, spin_s: 0.1 * width };
-            predictor.certify(&motion, tolerance, orbit, [0.25325, 0.01]).unwrap()
+            let floor = predictor.floor(&motion);
+            predictor.certify(&motion, tolerance, orbit, [floor, 0.01]).unwrap()
         };
         // On a peak the ellipse helps; a little beside it, it does not.
         let on_peak = [&Orbit::CIRCULAR, &ellipse].map(|it| bound(192.0825, 0.0, it).sigma_bound);

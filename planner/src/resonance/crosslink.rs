@@ -22,7 +22,7 @@ use super::power::{Predictor, SMOOTH, Term, sinc};
 use super::ring_sums::{COLUMNS, Columns, Complex, Longitudes, Rings, to_f64};
 use super::wigner::wigner_d;
 use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The mean over the sky of one orientation function.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,7 +156,7 @@ impl Predictor {
         let smooth = mean_squares(&grid.fine, &smooth_fields, patch)?;
         let coarse = mean_squares(&grid.rings, &self.smooth_fields(&spins, &grid.rings), patch)?;
         let total = mean_squares(&grid.rings, &self.fields(&kept.terms, &spins, grid), patch)?;
-        let incoherent = kept.rest + self.variance_beyond(motion);
+        let incoherent = kept.rest + self.beyond(motion);
         let others = independent(&grid.fine, &smooth_fields, incoherent);
         let resonant = total.iter().zip(&coarse).zip(&others).map(|((a, b), c)| a - b + c);
         let means = orders.iter().zip(smooth).zip(resonant);
@@ -169,12 +169,6 @@ impl Predictor {
                 })
                 .collect(),
         )
-    }
-
-    /// Variance of the hits at degrees beyond the last, where the crossings of a pixel are independent.
-    fn variance_beyond(&self, motion: &Motion) -> f64 {
-        let slowness = mean_slowness(motion, [self.alpha_rad, self.beta_rad]);
-        4.0 * slowness / motion.duration_s * self.window().powers_beyond()
     }
 
     /// The fields without resonances, one value a ring.
@@ -260,24 +254,6 @@ impl Predictor {
     }
 }
 
-/// Mean of the inverse of the line of sight's angular speed, in s/rad, the orbit aside.
-fn mean_slowness(motion: &Motion, [alpha_rad, beta_rad]: [f64; 2]) -> f64 {
-    let (across, along) = alpha_rad.sin_cos();
-    let precession = TAU / motion.precession_period_s;
-    // Both rates' vector in the frame of the spin axis.
-    let [x, z] = [-precession * across, TAU / motion.spin_period_s + precession * along];
-    let slowness = |i: u32| {
-        let (sin, cos) = (TAU * (f64::from(i) + 0.5) / f64::from(SPEEDS)).sin_cos();
-        let n = [beta_rad.sin() * cos, beta_rad.sin() * sin, beta_rad.cos()];
-        let speed = [-z * n[1], z * n[0] - x * n[2], x * n[1]];
-        1.0 / speed.iter().map(|v| v * v).sum::<f64>().sqrt()
-    };
-    (0..SPEEDS).map(slowness).sum::<f64>() / f64::from(SPEEDS)
-}
-
-/// Spin phases over which speeds are averaged.
-const SPEEDS: u32 = 64;
-
 fn add(row: &mut [Complex], at: usize, value: Complex) {
     if let Some(cell) = row.get_mut(at) {
         *cell = [cell[0] + value[0], cell[1] + value[1]];
@@ -330,6 +306,7 @@ fn independent(rings: &Rings, smooth: &Fields, variance: f64) -> Vec<f64> {
 mod tests {
     use super::super::window::Window;
     use super::*;
+    use std::f64::consts::TAU;
 
     /// Whole numbers of turns: no term but those that stand still.
     fn whole_turns() -> Motion {

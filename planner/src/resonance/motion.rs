@@ -6,11 +6,14 @@
 //!
 //! Limits: periods and durations that are finite and not zero.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use thiserror::Error;
 
 /// Days of a year, the orbit's period, in seconds.
 pub const YEAR_S: f64 = 365.25 * 86_400.0;
+
+/// Spin phases over which speeds are averaged.
+const SPEEDS: u32 = 64;
 
 /// Periods, phases and duration. A negative period turns the other way.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,6 +107,23 @@ impl Motion {
         let (a, b) = (self.precession_period_s, self.spin_period_s);
         let beat = f64::from(k).mul_add(b, f64::from(j) * a) / (a * b);
         -beat * self.orbit_period_s
+    }
+
+    /// Mean of the inverse of the line of sight's angular speed at angles alpha and beta, in s/rad;
+    /// the orbit counts where nothing else turns.
+    pub(super) fn mean_slowness(&self, alpha_rad: f64, beta_rad: f64) -> f64 {
+        let (across, along) = alpha_rad.sin_cos();
+        let precession = TAU / self.precession_period_s;
+        // Both rates' vector in the frame of the spin axis.
+        let [x, z] = [-precession * across, TAU / self.spin_period_s + precession * along];
+        let least = (TAU / self.orbit_period_s).abs();
+        let slowness = |i: u32| {
+            let (sin, cos) = (TAU * (f64::from(i) + 0.5) / f64::from(SPEEDS)).sin_cos();
+            let n = [beta_rad.sin() * cos, beta_rad.sin() * sin, beta_rad.cos()];
+            let speed = [-z * n[1], z * n[0] - x * n[2], x * n[1]];
+            speed.iter().map(|v| v * v).sum::<f64>().sqrt().max(least).recip()
+        };
+        (0..SPEEDS).map(slowness).sum::<f64>() / f64::from(SPEEDS)
     }
 
     /// Start phases in the order m, k, j.
