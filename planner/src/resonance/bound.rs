@@ -26,8 +26,10 @@ const FIRST_SLICES: u32 = 10;
 const MOST_MEETINGS: f64 = 24.0;
 /// Products of two pairs below it are bounded without a look at where they meet.
 const NEGLIGIBLE_OVERLAP: f64 = 1e-9;
-/// Products of two pairs below it are bounded by Cauchy and Schwarz.
+/// Products of two pairs below it are bounded by Cauchy and Schwarz; off the circle, where a point
+/// already exceeds the allowance, those below the second.
 const FINE_OVERLAP: f64 = 2e-6;
+const COARSE_OVERLAP: f64 = 2e-5;
 /// Powers below it are bounded by their largest P(m) alone.
 const FINE_POWER: f64 = 1e-5;
 /// Largest change of an amplitude by the orbit's latitude that is bounded as a change.
@@ -97,6 +99,8 @@ pub(super) struct Survey<'o> {
     overlaps: Vec<f64>,
     /// Most whole m in which two pairs meet that are looked at one by one.
     meetings: f64,
+    /// Products of two pairs below it are bounded by Cauchy and Schwarz.
+    fine_overlap: f64,
     /// Points between whole m*.
     points: f64,
     /// Squares of the coefficients at m, for `m* - m` at the points; on a circle at 0 only.
@@ -137,8 +141,16 @@ impl<'o> Survey<'o> {
             tilt,
             overlaps: overlaps(orbits, reach),
             meetings: if orbit.is_circular() { MOST_MEETINGS } else { f64::INFINITY },
+            fine_overlap: FINE_OVERLAP,
             points: POINTS * orbits.abs().ceil().max(1.0),
             squares: Vec::new(),
+        }
+    }
+
+    /// A point exceeds the allowance: no finer bound could pass.
+    pub(super) fn refuted(&mut self) {
+        if !self.orbit.is_circular() {
+            self.fine_overlap = COARSE_OVERLAP;
         }
     }
 
@@ -228,22 +240,21 @@ fn overlaps(orbits: f64, reach: f64) -> Vec<f64> {
 }
 
 impl Predictor {
-    /// The bound over a slice, and the variance at a point of the box in its middle.
+    /// The bound over a slice with the variance in its middle.
     pub(super) fn bound(
         &mut self,
         survey: &mut Survey<'_>,
-        tolerance: Tolerance,
-        slice: Slice,
+        (slice, middle): (Slice, f64),
     ) -> Bounded {
         let Survey { motion, orbit, room, .. } = *survey;
         let limit = (f64::from(self.l_max()) + room) * (1.0 + orbit.rate());
         let eta = f64::midpoint(slice.eta[0], slice.eta[1]);
         let precession_period_s = f64::midpoint(slice.precession_s[0], slice.precession_s[1]);
-        let middle =
+        let centre =
             Motion { precession_period_s, spin_period_s: precession_period_s / eta, ..motion };
-        let pairs = self.pairs_standing(&middle, limit, |k, j| {
+        let pairs = self.pairs_standing(&centre, limit, |k, j| {
             let [low, high] = standing(survey, &slice, [k, j]);
-            let at = middle.standing(k, j);
+            let at = centre.standing(k, j);
             (high - at).abs().max((low - at).abs())
         });
         let mut bands = Vec::with_capacity(pairs.len());
@@ -267,8 +278,18 @@ impl Predictor {
             }
         }
         let worst = bands.iter().copied().max_by(|a, b| a.power.total_cmp(&b.power));
-        let middle = self.predict(&at_eta(&motion, tolerance, eta)).variance;
         Bounded { slice, variance, middle, worst }
+    }
+
+    /// The variance at a point of the box in the middle of a slice.
+    pub(super) fn middle(
+        &mut self,
+        survey: &Survey<'_>,
+        tolerance: Tolerance,
+        slice: Slice,
+    ) -> f64 {
+        let eta = f64::midpoint(slice.eta[0], slice.eta[1]);
+        self.predict(&at_eta(&survey.motion, tolerance, eta)).variance
     }
 
     /// Bound of the product of a pair with another, or (sign -1) with another's conjugate.
@@ -302,7 +323,7 @@ impl Predictor {
         } else {
             1.0
         };
-        if crude * share < FINE_OVERLAP || high - low > survey.meetings {
+        if crude * share < survey.fine_overlap || high - low > survey.meetings {
             return crude * share;
         }
         let l_max = f64::from(self.l_max());
@@ -317,7 +338,7 @@ impl Predictor {
             if largest >= most || bound(largest) >= crude * share {
                 break;
             }
-            if bound(most) < FINE_OVERLAP {
+            if bound(most) < survey.fine_overlap {
                 largest = most;
                 break;
             }

@@ -14,7 +14,8 @@
 //! 3. pairs that can meet at one m somewhere in the slice add amplitudes, others add powers.
 //!
 //! The slice with the largest bound is halved until the box passes, some point exceeds the allowance
-//! or [`MOST_SLICES`] are used.
+//! or [`MOST_SLICES`] are used. Off the circle the products of pairs in a box with such a point
+//! are not looked at finely.
 //!
 //! An [`Orbit`] whose longitude advances between `1 - r` and `1 + r` times its mean rate spreads a pair
 //! over `m* / (1 +- r)`, by the coefficients that it computes. A latitude b tilts the pattern: where
@@ -24,7 +25,7 @@
 //! Limits: rigorous for the model of [`super::power`], whose terms end 3 m from `m*` (test
 //! `no_point_in_a_passing_box_exceeds_its_bound`).
 
-use super::bound::{Band, Slice, Survey};
+use super::bound::{Band, Bounded, Slice, Survey};
 use super::motion::{Motion, MotionError};
 use super::orbit::Orbit;
 use super::power::{Predictor, gcd};
@@ -168,23 +169,28 @@ impl Predictor {
         let mut survey =
             Survey::new(motion, orbit, nominal.smooth_variance + nominal.beyond_variance, l_max);
         let limit = (floor * (1.0 + allowed)).powi(2);
-        let mut slices = Vec::new();
-        let mut refuted = nominal.variance > limit;
-        for slice in whole.parts() {
-            slices.push(self.bound(&mut survey, tolerance, slice));
+        let parts: Vec<(Slice, f64)> =
+            whole.parts().map(|it| (it, self.middle(&survey, tolerance, it))).collect();
+        let mut refuted = nominal.variance > limit || parts.iter().any(|it| it.1 > limit);
+        if refuted {
+            survey.refuted();
         }
-        while slices.len() < MOST_SLICES {
+        let mut slices: Vec<Bounded> =
+            parts.into_iter().map(|part| self.bound(&mut survey, part)).collect();
+        while slices.len() < MOST_SLICES && !refuted {
             slices.sort_by(|a, b| a.variance.total_cmp(&b.variance));
             let Some(top) = slices.last().copied() else { break };
             let [low, high] = top.slice.eta;
             let middle = f64::midpoint(low, high);
-            refuted |= slices.iter().any(|it| it.middle > limit);
-            if top.variance <= limit || refuted || !(low < middle && middle < high) {
+            if top.variance <= limit || !(low < middle && middle < high) {
                 break;
             }
             slices.pop();
             for eta in [[low, middle], [middle, high]] {
-                slices.push(self.bound(&mut survey, tolerance, Slice { eta, ..top.slice }));
+                let half = Slice { eta, ..top.slice };
+                let variance = self.middle(&survey, tolerance, half);
+                refuted |= variance > limit;
+                slices.push(self.bound(&mut survey, (half, variance)));
             }
         }
         let bound = slices.iter().fold(0.0_f64, |most, it| most.max(it.variance)).sqrt();

@@ -375,8 +375,9 @@ impl Predictor {
         }
         for pair in [a, b] {
             if !self.rows.contains_key(&(m, pair)) {
-                let term = Term { m, pair, conjugate: false, factor: [1.0, 0.0] };
-                let row = self.amplitudes(&term);
+                let Pair { k, amplitudes, .. } = &self.pairs[pair];
+                let orders = [m, *k].map(|it| it.unsigned_abs() as usize);
+                let row = self.right_angle.row(orders, amplitudes);
                 self.rows.insert((m, pair), row);
             }
         }

@@ -144,19 +144,61 @@ impl RightAngle {
     /// `sum_l weights[l] d^l_mk(90 deg)^2` for [`LANES`] consecutive m from `LANES block`, those
     /// beyond the last l zero; k not negative.
     pub(super) fn sums(&mut self, block: usize, k: i32, weights: &[f64]) -> [f64; LANES] {
+        self.prepare(block, weights.len());
+        let first_m = i32::try_from(LANES * block).unwrap_or(i32::MAX);
+        let roots = self.roots[block].as_deref().unwrap_or(&[]);
+        Arch::new().dispatch(Squares { first_m, k, weights, roots })
+    }
+
+    /// The inverse roots of a block to `size` degrees.
+    fn prepare(&mut self, block: usize, size: usize) {
         if self.roots.len() <= block {
             self.roots.resize(block + 1, None);
         }
-        let first_m = i32::try_from(LANES * block).unwrap_or(i32::MAX);
-        let roots = self.roots[block].get_or_insert_with(|| Vec::with_capacity(weights.len()));
-        while roots.len() < weights.len() {
+        let first_m = u32::try_from(LANES * block).map_or(f64::NAN, f64::from);
+        let roots = self.roots[block].get_or_insert_with(|| Vec::with_capacity(size));
+        while roots.len() < size {
             let next = u32::try_from(roots.len() + 1).map_or(f64::NAN, f64::from);
             roots.push(std::array::from_fn(|lane| {
-                let m = f64::from(first_m) + f64::from(u8::try_from(lane).unwrap_or(0));
+                let m = first_m + f64::from(u8::try_from(lane).unwrap_or(0));
                 if m < next { (next * next - m * m).sqrt().recip() } else { 0.0 }
             }));
         }
-        Arch::new().dispatch(Squares { first_m, k, weights, roots })
+    }
+
+    /// `weights[l] d^l_mk(90 deg)` from l = 0, m and k not negative.
+    pub(super) fn row(&mut self, [m, k]: [usize; 2], weights: &[f64]) -> Vec<f64> {
+        let mut row = vec![0.0; weights.len()];
+        let start = m.max(k);
+        let (Ok(m_i), Ok(k_i)) = (i32::try_from(m), i32::try_from(k)) else { return row };
+        self.prepare(m / LANES, weights.len());
+        self.prepare(k / LANES, weights.len());
+        let roots = |at: usize| self.roots[at / LANES].as_deref().unwrap_or(&[]);
+        let mut now = first_value(m_i, k_i, FRAC_PI_2);
+        let product = -f64::from(m_i) * f64::from(k_i);
+        let squares = [m_i, k_i].map(|it| f64::from(it) * f64::from(it));
+        // The value before times S_l.
+        let mut below = 0.0;
+        let mut l = f64::from(m_i.max(k_i));
+        let inverses = roots(m).iter().zip(roots(k)).map(|(a, b)| (a[m % LANES], b[k % LANES]));
+        let cells = row.iter_mut().zip(weights).zip(inverses).skip(start);
+        for ((cell, weight), (inverse_m, inverse_k)) in cells {
+            *cell = weight * (0..now.units).fold(now.x, |x, _| x * UNIT);
+            let next = l + 1.0;
+            let common = (2.0 * l + 1.0) / (l * next).max(1.0) * product;
+            let inverse = inverse_m * inverse_k;
+            let step = (next * next - squares[0]) * (next * next - squares[1]) * inverse / next;
+            let above = (common * now.x - below) * (next * inverse);
+            below = step * now.x;
+            now.x = above;
+            if now.units > 0 && now.x.abs() > LARGE {
+                below *= UNIT;
+                now.x *= UNIT;
+                now.units -= 1;
+            }
+            l = next;
+        }
+        row
     }
 }
 
@@ -352,6 +394,11 @@ mod tests {
             let first = i32::try_from(block * LANES).unwrap();
             for (m, sum) in (first..).zip(sums) {
                 let row = wigner_d(m, k, FRAC_PI_2, l_max as usize);
+                let quick =
+                    right_angle.row([m, k].map(|it| usize::try_from(it).unwrap()), &weights);
+                for ((d, w), weighed) in row.iter().zip(&weights).zip(quick) {
+                    assert!((d * w - weighed).abs() < 1e-12, "{m} {k}");
+                }
                 let expected: f64 = row.iter().zip(&weights).map(|(d, w)| w * d * d).sum();
                 assert!((sum - expected).abs() < 1e-12, "{m} {k}: {sum:e} {expected:e}");
             }
