@@ -1,6 +1,6 @@
 //! Do the mission's periods beat on the sky: one check, as the verb, `plan` and `verify` make it.
 //!
-//! The hits of a year (or of a shorter mission) on the mission boresight are predicted in closed
+//! The hits of a year, also where the mission is shorter or longer, on the mission boresight are predicted in closed
 //! form, and bounded over all periods within tolerance while the anti-Sun direction goes round as it
 //! does: see [`planner::resonance`].
 //!
@@ -9,6 +9,8 @@
 use crate::failure::Failure;
 use crate::number::{Number, nearest};
 use crate::world::World;
+use ephem::apparent::Sky;
+use ephem::trajectory::Trajectory;
 use onboard_core::phase::Rotor;
 use onboard_core::time::Duration;
 use planner::healpix::Nside;
@@ -53,22 +55,24 @@ pub struct Checked {
 }
 
 impl ResonanceCheck {
-    /// The check of a mission over `duration_s` from its start, at the scale of a window; without a
-    /// duration over a year, or the mission where that is shorter.
+    /// The check of a mission over `duration_s` from its start, without one over a year, at the
+    /// scale of a window.
     ///
     /// # Errors
     /// [`Failure::Input`] where the kernel does not cover it.
     pub fn new(world: &World, window: Window, duration_s: Option<f64>) -> Result<Self, Failure> {
-        let span_s = world.end.since(world.start).seconds();
-        let duration_s = duration_s.unwrap_or(YEAR_S).min(span_s);
+        let duration_s = duration_s.unwrap_or(YEAR_S);
         let scan = world.scan.parameters();
         let signed = |period: &Number, rotor: Rotor| {
             let sign = if rotor.rate.is_negative() { -60 } else { 60 };
             nearest(&period.times(sign, 1))
         };
+        let beyond = Sky { trajectory: Trajectory::l2(), ..world.sky.clone() };
         let direction = |share: f64| -> Result<[f64; 2], Failure> {
             let at = world.start.plus(Duration::from_seconds(share * duration_s));
-            let direction = world.sky.sun_to_spacecraft(at).map_err(Failure::input)?;
+            // Beyond the mission a trajectory may end; L2 has its longitude.
+            let sky = if at <= world.end { &world.sky } else { &beyond };
+            let direction = sky.sun_to_spacecraft(at).map_err(Failure::input)?;
             Ok([direction.longitude_rad(), direction.latitude_rad()])
         };
         let longitude_rad = match world.circular_sun {

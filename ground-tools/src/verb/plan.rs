@@ -86,9 +86,12 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
 /// The check of the periods; one that cannot be made is a warning. Where it fails, periods nearby
 /// are recommended.
 fn resonance(shared: &SharedArgs, world: &World) -> Result<Option<Resonance>, Failure> {
-    let mut check = ResonanceCheck::of_mission(world)?;
-    let checked = match check.certify() {
-        Ok(checked) => checked,
+    let checked = ResonanceCheck::of_mission(world).and_then(|mut check| {
+        let checked = check.certify().map_err(Failure::input)?;
+        Ok((check, checked))
+    });
+    let (mut check, checked) = match checked {
+        Ok(found) => found,
         Err(error) => {
             warn(shared, &[format!("resonance cannot be judged: {error}")]);
             return Ok(None);

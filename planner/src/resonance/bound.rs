@@ -142,7 +142,7 @@ impl<'o> Survey<'o> {
             overlaps: overlaps(orbits, reach),
             meetings: if orbit.is_circular() { MOST_MEETINGS } else { f64::INFINITY },
             fine_overlap: FINE_OVERLAP,
-            points: POINTS * orbits.abs().ceil().max(1.0),
+            points: (POINTS * orbits.abs()).ceil(),
             squares: Vec::new(),
         }
     }
@@ -182,25 +182,27 @@ impl<'o> Survey<'o> {
     }
 }
 
-/// Width of a cell of distances of `m*`.
-const CELL: f64 = 0.125;
+/// Points between whole m* at which overlaps are taken, for one orbit.
+const OVERLAP_POINTS: f64 = 32.0;
+/// Points of a cell of distances of `m*`.
+const CELL: f64 = 4.0;
 
 /// The cell of a distance, not negative.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small, positive")]
-fn cell(apart: f64) -> usize {
-    (apart / CELL) as usize
+fn cell(apart: f64, orbits: f64) -> usize {
+    (apart * OVERLAP_POINTS * orbits.abs() / CELL) as usize
 }
 
 /// For each cell of distances, the largest sum of products of coefficients there or beyond.
 fn overlaps(orbits: f64, reach: f64) -> Vec<f64> {
     let orbits = orbits.abs();
-    let fine = 32.0 * orbits.max(1.0);
+    let fine = OVERLAP_POINTS * orbits;
     let room = reach.ceil() + 0.5;
     let steps = |length: f64| (length * fine).ceil();
     let largest = all_of_sinc(0.0, orbits);
     // How much the tail's correction raises amplitudes.
     let mut kept = f64::INFINITY;
-    let mut sums = vec![0.0_f64; 1 + cell((2.0 * room).ceil())];
+    let mut sums = vec![0.0_f64; 1 + cell((2.0 * room).ceil(), orbits)];
     let mut x = 0.0;
     while x < steps(1.0) {
         let at = x / fine - 0.5;
@@ -220,7 +222,7 @@ fn overlaps(orbits: f64, reach: f64) -> Vec<f64> {
         while apart < steps(2.0 * room) {
             let other = at + apart / fine;
             let sum: f64 = window(at).map(|m| weight(m, at) * weight(m, other)).sum();
-            if let Some(most) = sums.get_mut(cell(apart / fine)) {
+            if let Some(most) = sums.get_mut(cell(apart / fine, orbits)) {
                 *most = most.max(sum);
             }
             apart += 1.0;
@@ -319,7 +321,7 @@ impl Predictor {
             if apart > 2.0 * room {
                 return 0.0;
             }
-            survey.overlaps.get(cell(apart)).copied().unwrap_or(0.0)
+            survey.overlaps.get(cell(apart, survey.orbits)).copied().unwrap_or(0.0)
         } else {
             1.0
         };
@@ -499,6 +501,6 @@ mod tests {
             assert!(found.windows(2).all(|it| it[0] >= it[1]), "{found:?}");
         }
         let found = overlaps(1.0, 3.0);
-        assert!(found[cell(6.0)] < 0.35, "{found:?}");
+        assert!(found[cell(6.0, 1.0)] < 0.35, "{found:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! `gyrfalcon resonance`: do precession, spin and orbit beat on the sky, within tolerance.
 //!
-//! The check covers a year, or the mission where it is shorter, unless `--duration` says otherwise.
+//! The check covers a year unless `--duration` says otherwise.
 //! With `--scan` rows of predictions are written; they are not judged unless `--json` or a figure is
 //! asked for.
 
@@ -27,6 +27,8 @@ const COLUMNS: [&str; 5] = ["precession_period_min", "sigma_predicted", "p", "q"
 const HALVINGS: u32 = 24;
 /// Times after a correction that are tried, in seconds: ten years.
 const LONGEST_S: f64 = 3.155_76e8;
+/// Shortest survey that is judged, in days: over less the orbit hardly moves the pattern.
+const LEAST_DAYS: f64 = 30.0;
 /// Points of a figure without a scan.
 const FIGURE_POINTS: u32 = 400;
 
@@ -51,6 +53,11 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
     world.targets.clear();
     let span_s = world.end.since(world.start).seconds();
     let duration_s = shared.duration.is_some().then_some(span_s);
+    if let Some(days) = duration_s.map(|it| it / 86_400.0).filter(|it| *it < LEAST_DAYS) {
+        return Err(Failure::Input(format!(
+            "--duration: resonances are not judged over {days} d: {LEAST_DAYS} d or more are needed"
+        )));
+    }
     let mut check = ResonanceCheck::new(&world, window, duration_s)?;
     check.demand.allowed = allowed;
     if let Some(tolerance) = tolerance {

@@ -94,7 +94,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
     }
     let against_fit = arguments.against == Against::Fit;
     let mut report = Report::new(&world, &history, &rows, (fitted, limit_arcsec, against_fit));
-    report.judge_resonance()?;
+    report.judge_resonance();
     if shared.json {
         print_json(&report.json(&provenance)?)?;
     } else if sink(shared) != Sink::Stdout || shared.out.is_none() {

@@ -137,13 +137,10 @@ impl<'r> Report<'r> {
     }
 
     /// Whether the fitted periods beat on the sky, three standard errors either way.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] where the kernel does not cover the mission.
-    pub(super) fn judge_resonance(&mut self) -> Result<(), Failure> {
-        let Ok(Fit { precession: Some(precession), spin, .. }) = &self.fit else { return Ok(()) };
+    pub(super) fn judge_resonance(&mut self) {
+        let Ok(Fit { precession: Some(precession), spin, .. }) = &self.fit else { return };
         let parameters = self.world.scan.parameters();
-        let mut check = ResonanceCheck::of_mission(self.world)?;
+        let Ok(mut check) = ResonanceCheck::of_mission(self.world) else { return };
         let fitted = Period::new(parameters.precession, precession);
         let spin = Period::new(parameters.spin, spin);
         check.motion.precession_period_s =
@@ -151,9 +148,8 @@ impl<'r> Report<'r> {
         check.motion.spin_period_s = spin.seconds.copysign(check.motion.spin_period_s);
         check.demand.tolerance =
             Tolerance { precession_s: SURE * fitted.sigma, spin_s: SURE * spin.sigma };
-        // Periods or errors that cannot be judged are none that beat.
+        // What cannot be judged is null.
         self.resonance = check.certify().ok();
-        Ok(())
     }
 
     fn judge(&mut self) {
