@@ -127,7 +127,9 @@ fn what_pointing_writes_verifies() {
     assert_eq!((&checked["verdict"], &checked["rows"]), (&"pass".into(), &181.into()));
     assert!(largest(&checked) < 1e-6, "{checked}");
     assert_eq!(checked["periods_within_tolerance"], true);
-    assert!(checked["resonance"].is_null());
+    assert_eq!(checked["resonance"]["verdict"], "pass");
+    let fitted = checked["resonance"]["precession_period_min"].as_f64().unwrap();
+    assert!((fitted - 192.348).abs() < 1e-6, "{fitted}");
     let ratio = checked["fit"]["ratio"].as_f64().unwrap();
     assert!((ratio - 192.348 / 20.0).abs() < 1e-8, "{ratio}");
 
