@@ -568,6 +568,46 @@ mod tests {
         }
     }
 
+    /// All `p / q` in lowest terms with p and q to `most`, by descent of the Stern-Brocot tree.
+    fn stern_brocot(most: i32) -> Vec<[i32; 2]> {
+        let mut found = Vec::new();
+        let mut open = vec![([0, 1], [1, 0])];
+        while let Some((low, high)) = open.pop() {
+            let middle: [i32; 2] = [low[0] + high[0], low[1] + high[1]];
+            if middle[0] <= most && middle[1] <= most {
+                found.push(middle);
+                open.extend([(low, middle), (middle, high)]);
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn pairs_are_the_trees_fractions_and_their_multiples() {
+        let mut predictor = litebird();
+        let l_max = predictor.l_max();
+        let motion = Motion::year(192.348 * 60.0, 1200.0);
+        let limit = f64::from(l_max) + 3.0;
+        let mut expected: Vec<[i32; 2]> = Vec::new();
+        for [p, q] in stern_brocot(l_max) {
+            let multiples = (1..=l_max / p.max(q)).map(|n| [n * p, -n * q]);
+            expected.extend(multiples.filter(|&[k, j]| motion.standing(k, j).abs() <= limit));
+        }
+        expected.retain(|&[k, j]| {
+            visible(predictor.alpha_rad, predictor.beta_rad, [k, j, l_max])
+                && predictor.pair(k, j).is_some()
+        });
+        expected.sort_unstable();
+        let mut found: Vec<[i32; 2]> = predictor
+            .pairs_standing(&motion, limit, |_, _| 0.0)
+            .into_iter()
+            .map(|pair| [predictor.pairs[pair].k, predictor.pairs[pair].j])
+            .collect();
+        found.sort_unstable();
+        assert_eq!(found, expected);
+        assert!(found.len() > 20, "{}", found.len());
+    }
+
     #[test]
     fn sinc_squares_sum_as_stated() {
         for orbits in [0.3, 1.0, 1.5, 3.0] {
