@@ -95,7 +95,7 @@ pub(super) struct Survey<'o> {
     /// Largest change of an amplitude by the orbit's latitude, in parts of the pair's largest.
     tilt: f64,
     /// Bounds of the sum of products of two pairs' coefficients relative to the geometric mean of
-    /// their sums of squares, by the distance of their `m*` in cells of [`CELL`].
+    /// their sums of squares, by the distance of their `m*` in cells of [`CELL`]; on a circle.
     overlaps: Vec<f64>,
     /// Most whole m in which two pairs meet that are looked at one by one.
     meetings: f64,
@@ -139,7 +139,7 @@ impl<'o> Survey<'o> {
             coefficients: all_of_sinc(0.0, orbits) * orbit.slowness().max(1.0),
             room,
             tilt,
-            overlaps: overlaps(orbits, reach),
+            overlaps: if orbit.is_circular() { overlaps(orbits, reach) } else { Vec::new() },
             meetings: if orbit.is_circular() { MOST_MEETINGS } else { f64::INFINITY },
             fine_overlap: FINE_OVERLAP,
             points: (POINTS * orbits.abs()).ceil(),

@@ -36,11 +36,18 @@ const NODES_PER_TURN: f64 = 1.7;
 /// The anti-Sun direction over a survey.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orbit {
-    /// None on a circle.
-    nodes: Vec<Node>,
+    /// None on a circle; else for ever larger m, the last for all.
+    nodes: Vec<Rule>,
     rate: f64,
     latitude_rad: f64,
     slowness: f64,
+}
+
+/// Nodes that suffice to a largest m.
+#[derive(Debug, Clone, PartialEq)]
+struct Rule {
+    largest_m: f64,
+    nodes: Vec<Node>,
 }
 
 /// An instant of the survey.
@@ -89,17 +96,27 @@ impl Orbit {
         }
         let latitude_rad = off_plane(&seen);
         #[expect(clippy::cast_precision_loss, reason = "a degree")]
-        let turns = orbits.abs() * (super::power::REACH + 2.0 * rate * l_max as f64);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-        let order = (SPARE_NODES + NODES_PER_TURN * turns).min(1e4) as u32;
+        let l_max = l_max as f64;
         let mut nodes = Vec::new();
-        for (share, weight) in gauss_legendre(order) {
-            let [deviation_rad, _] = deviation(share)?;
-            nodes.push(Node { time: share - 0.5, weight, deviation_rad });
-        }
-        let mean: f64 = nodes.iter().map(|it| it.weight * it.deviation_rad).sum();
-        for node in &mut nodes {
-            node.deviation_rad -= mean;
+        for share in [0.25, 0.5, 1.0] {
+            let largest_m = share * l_max;
+            let turns = orbits.abs() * (super::power::REACH + 2.0 * rate * largest_m);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates"
+            )]
+            let order = (SPARE_NODES + NODES_PER_TURN * turns).min(1e4) as u32;
+            let mut rule = Vec::new();
+            for (share, weight) in gauss_legendre(order) {
+                let [deviation_rad, _] = deviation(share)?;
+                rule.push(Node { time: share - 0.5, weight, deviation_rad });
+            }
+            let mean: f64 = rule.iter().map(|it| it.weight * it.deviation_rad).sum();
+            for node in &mut rule {
+                node.deviation_rad -= mean;
+            }
+            nodes.push(Rule { largest_m, nodes: rule });
         }
         Ok(Self { nodes, rate, latitude_rad, slowness })
     }
@@ -134,16 +151,17 @@ impl Orbit {
         step: f64,
         (first, count): (f64, usize),
     ) -> Vec<f64> {
-        if self.nodes.is_empty() {
+        let fitting = self.nodes.iter().find(|rule| m.abs() <= rule.largest_m);
+        let Some(rule) = fitting.or(self.nodes.last()) else {
             let mut x = first - 1.0;
             let square = || {
                 x += 1.0;
                 sinc(PI * orbits * x * step).powi(2)
             };
             return std::iter::repeat_with(square).take(count).collect();
-        }
+        };
         let turn = TAU * orbits * step;
-        let phasors = self.nodes.chunks(LANES).map(|nodes| {
+        let phasors = rule.nodes.chunks(LANES).map(|nodes| {
             let mut phasor = Phasor::default();
             for (i, node) in nodes.iter().enumerate() {
                 let (s, c) = (turn * first * node.time - m * node.deviation_rad).sin_cos();
@@ -250,7 +268,7 @@ mod tests {
                 // All m near a given m*.
                 let m_star = m + share;
                 let mut sum = 0.0;
-                let room = if m < 100.0 { 8 } else { 32 };
+                let room = [8, 16, 32][usize::from(m > 100.0) + usize::from(m > 400.0)];
                 for other in -room..=room {
                     let m = m + f64::from(other);
                     sum += orbit.squares((m, years), 1.0, (m_star - m, 1))[0];

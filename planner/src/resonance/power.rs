@@ -21,6 +21,7 @@
 use super::motion::Motion;
 use super::wigner::{LANES, MAX_L, RightAngle, fill_wigner_d, wigner_d};
 use super::window::Window;
+use pulp::{Arch, NullaryFnOnce};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -382,18 +383,7 @@ impl Predictor {
             }
         }
         let row = |pair| self.rows.get(&(m, pair)).map_or(&[][..], Vec::as_slice);
-        let (whole, rest) = row(a).as_chunks::<8>();
-        let (other, other_rest) = row(b).as_chunks::<8>();
-        let mut sums = [0.0; 8];
-        for (a, b) in whole.iter().zip(other) {
-            for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-                *sum += a * b;
-            }
-        }
-        for (sum, (a, b)) in sums.iter_mut().zip(rest.iter().zip(other_rest)) {
-            *sum += a * b;
-        }
-        let parts = [0, 1].map(|odd| sums.iter().skip(odd).step_by(2).sum());
+        let parts = Arch::new().dispatch(Parities { a: row(a), b: row(b) });
         self.products.insert(key, parts);
         parts
     }
@@ -409,6 +399,34 @@ impl Predictor {
             negative ^= term.conjugate;
         }
         row
+    }
+}
+
+/// The sums of products over even and over odd places.
+struct Parities<'r> {
+    a: &'r [f64],
+    b: &'r [f64],
+}
+
+impl NullaryFnOnce for Parities<'_> {
+    type Output = [f64; 2];
+
+    /// Sums in the same order on every instruction set.
+    #[expect(clippy::inline_always, reason = "compiled for each instruction set")]
+    #[inline(always)]
+    fn call(self) -> [f64; 2] {
+        let (whole, rest) = self.a.as_chunks::<16>();
+        let (other, other_rest) = self.b.as_chunks::<16>();
+        let mut sums = [0.0; 16];
+        for (a, b) in whole.iter().zip(other) {
+            for i in 0..16 {
+                sums[i] += a[i] * b[i];
+            }
+        }
+        for (sum, (a, b)) in sums.iter_mut().zip(rest.iter().zip(other_rest)) {
+            *sum += a * b;
+        }
+        [0, 1].map(|odd| sums.iter().skip(odd).step_by(2).sum())
     }
 }
 
