@@ -34,6 +34,9 @@ const COARSE_OVERLAP: f64 = 2e-5;
 const FINE_POWER: f64 = 1e-5;
 /// Largest change of an amplitude by the orbit's latitude that is bounded as a change.
 const SMALL_TILT: f64 = 0.05;
+/// Where the smooth term is looked at off the circle: its coefficients fall as the eccentricity's
+/// powers.
+const SMOOTH_M: i32 = 4;
 /// Points between whole m*, for one orbit.
 const POINTS: f64 = 12.0;
 /// Bound of the second derivative of N over its largest value, for one orbit.
@@ -87,7 +90,7 @@ pub(super) struct Survey<'o> {
     pub(super) motion: Motion,
     pub(super) orbit: &'o Orbit,
     orbits: f64,
-    smooth: f64,
+    pub(super) smooth: f64,
     /// Largest sum of squares of one pair's coefficients.
     coefficients: f64,
     /// How far a pair's terms may be from its `m*`, on a circle.
@@ -160,6 +163,12 @@ impl<'o> Survey<'o> {
         let least = (low / (1.0 - rate)).min(low / (1.0 + rate));
         let most = (high / (1.0 - rate)).max(high / (1.0 + rate));
         [least - self.room, most + self.room]
+    }
+
+    /// The square of the smooth term's coefficient at m, where `m* = 0`; m to [`SMOOTH_M`].
+    fn still(&mut self, m: i32) -> f64 {
+        let points = self.points;
+        self.squares(m).at(-f64::from(m) * points)
     }
 
     /// The squares of the coefficients of m, not negative.
@@ -393,17 +402,29 @@ impl Predictor {
         if kept < 1e-6 { sum } else { sum * all / kept }
     }
 
+    /// What the smooth term has at m near 0 because the orbit is no circle; nothing on one.
+    pub(super) fn smooth_beside(&mut self, survey: &mut Survey<'_>) -> f64 {
+        if survey.orbit.is_circular() {
+            return 0.0;
+        }
+        (1..=SMOOTH_M).map(|m| 2.0 * survey.still(m) * self.pair_power(SMOOTH, m)).sum()
+    }
+
     /// Bound of a pair's product with the smooth term, one conjugate.
-    fn overlap_with_smooth(&mut self, survey: &Survey<'_>, band: &Band) -> f64 {
+    fn overlap_with_smooth(&mut self, survey: &mut Survey<'_>, band: &Band) -> f64 {
         let [low, high] = survey.widened(band.range);
         let l_max = f64::from(self.l_max());
         let mut m = low.max(-l_max).ceil();
         let mut sum = 0.0;
         while m <= high.min(l_max) {
-            let share = sinc(PI * m * survey.orbits).abs();
+            #[expect(clippy::cast_possible_truncation, reason = "to l_max")]
+            let whole = m.abs() as i32;
+            let mut share = sinc(PI * m * survey.orbits).abs();
+            if !survey.orbit.is_circular() && whole <= SMOOTH_M {
+                share = share.max(survey.still(whole).sqrt());
+            }
             if share > 1e-12 {
-                #[expect(clippy::cast_possible_truncation, reason = "to l_max")]
-                let [even, odd] = self.products(m.abs() as i32, SMOOTH, band.pair);
+                let [even, odd] = self.products(whole, SMOOTH, band.pair);
                 sum += share * (even + odd).abs().max((even - odd).abs());
             }
             m += 1.0;
