@@ -186,16 +186,6 @@ pub enum Problem {
         /// The other.
         second: String,
     },
-    /// A legal value that this version cannot honour.
-    #[error("{key} = {value} is not supported by this version: {need} is needed")]
-    Unsupported {
-        /// The key.
-        key: String,
-        /// The value as written.
-        value: String,
-        /// What is supported.
-        need: String,
-    },
 }
 
 /// What is legal, but should be known.
@@ -231,11 +221,5 @@ pub enum Warning {
         count: usize,
         /// Names of the first.
         first: String,
-    },
-    /// A constraint is present that this version does not honour.
-    #[error("{key} is not honoured by this version: results are as if it were absent")]
-    NotHonoured {
-        /// The key.
-        key: String,
     },
 }

@@ -39,6 +39,7 @@ pub mod resonance_figure;
 pub mod vectors;
 pub mod history;
 pub mod scan_fit;
+pub mod demands;
 pub mod timeline;
 pub mod uplink;
 pub mod verb;

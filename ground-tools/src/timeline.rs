@@ -5,6 +5,7 @@
 
 use crate::cli::Format;
 use crate::degrees;
+use crate::demands::Blackout;
 use crate::failure::Failure;
 use crate::output::WriteError;
 use crate::passes::{Found, told};
@@ -38,6 +39,8 @@ pub struct Planned<'p> {
     pub found: &'p [Found],
     /// Their opportunities; candidate i of the problem is opportunity i.
     pub opportunities: &'p Opportunities,
+    /// The blackouts, as in the problem's demands.
+    pub blackouts: &'p [Blackout],
     /// The scheduling problem.
     pub problem: &'p Problem,
     /// Its schedule.
@@ -301,9 +304,24 @@ impl Planned<'_> {
                 "the window from {} already holds {count} sessions, as many as max_sessions allows",
                 format_utc(from)
             ),
-            Because::NoValue | Because::BeforeMission | Because::AfterMission => {
-                because.to_string()
+            Because::Blackout { index } => {
+                let it = &self.blackouts[index];
+                format!(
+                    "it touches the blackout from {} to {}: {}",
+                    format_utc(it.from),
+                    format_utc(it.until),
+                    it.reason
+                )
             }
+            Because::NoValue
+            | Because::BeforeMission
+            | Because::AfterMission
+            | Because::Avoided
+            | Because::Forbidden
+            | Because::Thermal
+            | Because::Memory
+            | Because::ScanAngle { .. }
+            | Because::NotWorth => because.to_string(),
         }
     }
 
@@ -315,8 +333,31 @@ impl Planned<'_> {
             }
             Rule::Day { day } => format!("max_minutes_per_day {} (s)", self.date(day)),
             Rule::SessionCount { from } => format!("max_sessions from {}", format_utc(from)),
+            Rule::MinSessions { target, telescope, from } => {
+                format!("min_sessions {} from {}", self.pair(target, telescope), format_utc(from))
+            }
+            Rule::Gap { telescope, from } => format!(
+                "longest_gain_gap {} from {} (days)",
+                self.world.mission.telescopes[telescope].name,
+                format_utc(from)
+            ),
+            Rule::Thermal { from } => format!("thermal from {} (s)", format_utc(from)),
+            Rule::Memory { from, until } => {
+                format!("data from {} to {} (s)", format_utc(from), format_utc(until))
+            }
+            Rule::ScanAngle { n, target, telescope } => {
+                format!("scan_angle n = {n} {}", self.pair(target, telescope))
+            }
         };
         Constraint { name, used: it.used, limit: it.limit, shadow_price: it.shadow_price }
+    }
+}
+
+impl Planned<'_> {
+    /// `target on TELESCOPE`.
+    fn pair(&self, target: usize, telescope: usize) -> String {
+        let telescope = &self.world.mission.telescopes[telescope].name;
+        format!("{} on {telescope}", self.world.targets[target].name())
     }
 }
 

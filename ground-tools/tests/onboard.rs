@@ -3,13 +3,17 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 
+use ephem::fit::FitOptions;
 use ephem::source::SUN_AS_TARGET;
+use ground_tools::mission::{Mission, Override};
+use ground_tools::uplink::Contents;
+use ground_tools::world::World;
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::sequencer::{
     Event, EventQueue, MAX_EVALUATIONS_PER_TICK, Sequencer, Settings, Situation, SkipReason,
 };
 use onboard_core::time::Duration;
-use onboard_core::uplink::Tables;
+use onboard_core::uplink::{SessionRecord, Tables};
 use std::path::Path;
 use std::process::Command;
 
@@ -120,11 +124,23 @@ fn the_plan_on_board_is_carried_out() {
     }
 }
 
+/// A plan that was made without a limit, on board together with it.
 #[test]
 fn sessions_that_come_too_close_to_the_sun_are_skipped() {
     let folder = tempfile::tempdir().unwrap();
+    let planned = plan(folder.path(), &["--duration", "20d"]);
+    let sessions: Vec<SessionRecord> = Tables::load(&planned).unwrap().plan().sessions().collect();
     let limit = "calibration.schedule.avoidance=[{ body = \"sun\", angle_deg = 90.0 }]";
-    let bytes = plan(folder.path(), &["--duration", "20d", "--set", limit, "--sequence", "7"]);
+    let overrides = ["span.duration_days=20", limit].map(|it| Override::set(it).unwrap());
+    let world = World::open(Mission::load("litebird", &overrides).unwrap(), None).unwrap();
+    let fitted = world.tables(&FitOptions::UPLINK).unwrap().fitted;
+    let contents = Contents {
+        world: &world,
+        ephemeris: &fitted.bytes,
+        sessions: Some(&sessions),
+        sequence: 7,
+    };
+    let bytes = contents.to_bytes().unwrap();
     let tables = Tables::load(&bytes).unwrap();
     assert_eq!(tables.header().sequence, 7);
     let avoided = SkipReason::Avoidance(SUN_AS_TARGET);

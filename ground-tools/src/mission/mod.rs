@@ -178,13 +178,6 @@ impl Mission {
         };
         let mut warnings = scan.warnings();
         warnings.extend(telescopes.iter().filter_map(|telescope| telescope.warning.clone()));
-        warnings.extend(
-            calibration
-                .schedule
-                .not_honoured()
-                .into_iter()
-                .map(|key| Warning::NotHonoured { key: format!("calibration.schedule.{key}") }),
-        );
         Ok(Self {
             name,
             span: times,

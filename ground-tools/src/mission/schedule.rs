@@ -2,10 +2,6 @@
 //!
 //! A constraint that is absent, or `"none"`, does not bind. Durations are exact numbers here and
 //! nanoseconds where the methods give them.
-//!
-//! Limits: this version honours setup, cooldown, exclusive, `max_minutes_per_day`, `max_sessions`
-//! and weights with the linear objective; the other constraints are checked, and
-//! [`Schedule::not_honoured`] names those present.
 
 use crate::document::Value;
 use crate::fault::Problem;
@@ -48,6 +44,8 @@ pub struct Schedule {
     pub thermal: Option<Thermal>,
     /// A weight for every target of the mission, then for others named.
     pub weights: Vec<(String, Number)>,
+    /// The objective is logarithmic in the time per cell.
+    pub logarithmic: bool,
 }
 
 /// What sessions exclude each other.
@@ -142,7 +140,7 @@ impl Schedule {
         // Sessions of different telescopes may run at the same time, and each counts.
         let day = MINUTES_PER_DAY * f64::from(u32::try_from(telescopes.max(1)).unwrap_or(u32::MAX));
         let exclusive = [("telescope", Exclusive::Telescope), ("all", Exclusive::All)];
-        let schedule = Self {
+        let mut schedule = Self {
             setup_s: section.number("setup_s", &PADDING, Some("0.0")),
             cooldown_s: section.number("cooldown_s", &PADDING, Some("0.0")),
             exclusive: section.choice("exclusive", &exclusive).unwrap_or(Exclusive::Telescope),
@@ -170,15 +168,10 @@ impl Schedule {
                 window_hours: s.number("window_hours", &HEAT_WINDOW, None),
             }),
             weights: weights(section, targets, legal),
+            logarithmic: false,
         };
-        if section.choice("objective", &[("linear", false), ("log", true)]) == Some(true) {
-            let problem = Problem::Unsupported {
-                key: section.key("objective"),
-                value: "\"log\"".to_owned(),
-                need: "\"linear\"".to_owned(),
-            };
-            section.fault(&section.place_of("objective"), problem);
-        }
+        schedule.logarithmic =
+            section.choice("objective", &[("linear", false), ("log", true)]) == Some(true);
         schedule
     }
 
@@ -205,21 +198,6 @@ impl Schedule {
     pub fn weight(&self, target: &str) -> f64 {
         let given = self.weights.iter().find(|(name, _)| name == target);
         given.map_or(1.0, |(_, weight)| weight.to_f64())
-    }
-
-    /// The keys of constraints that are present but not honoured by this version.
-    #[must_use]
-    pub fn not_honoured(&self) -> Vec<&'static str> {
-        let present = [
-            ("min_sessions", self.min_sessions.is_some()),
-            ("longest_gain_gap", self.longest_gain_gap.is_some()),
-            ("scan_angle", !self.scan_angle.is_empty()),
-            ("data", self.data.is_some()),
-            ("avoidance", !self.avoidance.is_empty()),
-            ("blackouts", self.blackouts.is_some()),
-            ("thermal", self.thermal.is_some()),
-        ];
-        present.into_iter().filter_map(|(key, present)| present.then_some(key)).collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{print_json, tell, warn, world};
 use crate::cli::{PlanArgs, SharedArgs};
+use crate::demands::{Sources, blackouts};
 use crate::failure::Failure;
 use crate::mission::schedule::Exclusive as ExclusiveKey;
 use crate::output::write_folder;
@@ -13,10 +14,13 @@ use crate::timeline::{Planned, Resonance, Timeline};
 use crate::uplink::{Contents, slow_checks};
 use crate::world::World;
 use ephem::fit::FitOptions;
-use ephem::time::{utc_day, utc_midnight};
+use ephem::time::{format_utc, utc_day, utc_midnight};
 use onboard_core::time::{Duration, Instant};
 use planner::opportunity::{Opportunities, Pass};
-use planner::schedule::{Candidate, Exclusive, Problem, Rules, SessionCount, schedule};
+use planner::schedule::{
+    Candidate, Conflict, Demands, Exclusive, Problem, Rules, Schedule, ScheduleError, SessionCount,
+    schedule,
+};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -44,14 +48,19 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let found = search(&world, table, &lines)?;
     let passes = passes(&found, &lines)?;
     let opportunities = Opportunities::group(&passes, &world.scan).map_err(Failure::internal)?;
-    let problem = problem(&world, &opportunities);
-    let schedule = schedule(&problem).map_err(Failure::input)?;
+    let blackouts = blackouts(&world)?;
+    let sun = world.sun(table)?;
+    let sources =
+        Sources { world: &world, lines: &lines, sun, found: &found, opportunities: &opportunities };
+    let problem = problem(&world, &opportunities, sources.demands(&blackouts)?);
+    let schedule = scheduled(&world, &problem)?;
     let planned = Planned {
         world: &world,
         lines: &lines,
-        sun: world.sun(table)?,
+        sun,
         found: &found,
         opportunities: &opportunities,
+        blackouts: &blackouts,
         problem: &problem,
         schedule: &schedule,
         resonance: resonance.as_ref(),
@@ -159,7 +168,38 @@ fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, Failure> {
         .collect()
 }
 
-fn problem(world: &World, opportunities: &Opportunities) -> Problem {
+/// The schedule; rules that contradict each other fail in words.
+fn scheduled(world: &World, problem: &Problem) -> Result<Schedule, Failure> {
+    schedule(problem).map_err(|error| match error {
+        ScheduleError::Infeasible(conflict) => Failure::Check(contradiction(world, &conflict)),
+        error @ ScheduleError::Unsound(_) => Failure::internal(error),
+        error => Failure::input(error),
+    })
+}
+
+/// A contradiction among the rules, and the least change that would end it.
+fn contradiction(world: &World, conflict: &Conflict) -> String {
+    let rules: Vec<String> =
+        conflict.rules.iter().map(|rule| format!("calibration.schedule.{rule}")).collect();
+    let place = conflict.season.map_or_else(String::new, |(target, telescope, from)| {
+        format!(
+            " of {} on {} in the season from {}",
+            world.targets[target].name(),
+            world.mission.telescopes[telescope].name,
+            format_utc(from)
+        )
+    });
+    format!(
+        "no schedule meets {} together: of the {} sessions asked for{place}, at most {} can be had; \
+         asking for {} fewer, or leaving out any one of these rules, ends the contradiction",
+        rules.join(", "),
+        conflict.wanted,
+        conflict.possible,
+        conflict.wanted.saturating_sub(conflict.possible)
+    )
+}
+
+fn problem(world: &World, opportunities: &Opportunities, demands: Demands) -> Problem {
     let keys = &world.mission.calibration.schedule;
     let candidates = opportunities
         .list()
@@ -190,6 +230,7 @@ fn problem(world: &World, opportunities: &Opportunities) -> Problem {
                 .map(|it| SessionCount { count: it.count, window: it.window() }),
             day_boundaries: midnights(world.start, world.end),
         },
+        demands,
     }
 }
 

@@ -11,17 +11,17 @@
 
 use super::draft::Draft;
 use super::model::Model;
-use super::number::i64_from_f64;
 use super::search::{Effort, Item, Region, search, start_fits};
 use super::split::Split;
+use crate::program::number::i64_from_f64;
 use rayon::prelude::*;
 
 /// Most states kept.
-const STATES: usize = 24;
+const STATES: usize = 64;
 /// Most states kept with the same sessions reaching on.
 const ALIKE: usize = 4;
 /// Work of one search, and sets taken from it.
-const EFFORT: Effort = Effort { nodes: 500, sets: 8 };
+const EFFORT: Effort = Effort { nodes: 1500, sets: 12 };
 /// Sets that are worse than a pattern by this share of a typical value are still of use.
 const MARGIN: f64 = 0.2;
 

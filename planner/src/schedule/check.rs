@@ -4,7 +4,7 @@
 //! that build schedules: overlap by a sweep over sorted intervals, minutes per day by clipping each
 //! interval to each day, starts per window by counting from every start.
 
-use super::{Exclusive, Problem};
+use super::{Exclusive, Problem, fulfil};
 use onboard_core::time::{Duration, Instant};
 use std::collections::BTreeMap;
 use thiserror::Error;
@@ -44,6 +44,59 @@ pub enum Violation {
         /// Most allowed.
         count: u32,
     },
+    /// A forbidden session stands.
+    #[error("candidate {0} is forbidden")]
+    Forbidden(usize),
+    /// A session too near to a body to avoid stands.
+    #[error("candidate {0} comes too near to a body to avoid")]
+    Avoided(usize),
+    /// A session touches a blackout.
+    #[error("the session of candidate {0} touches a blackout")]
+    Blackout(usize),
+    /// A session that must stand does not.
+    #[error("candidate {0} must stand and does not")]
+    Fixed(usize),
+    /// A window holds too much reserved time.
+    #[error("{used_ns} ns are reserved in the thermal window from {from_tai_ns} ns TAI")]
+    Thermal {
+        /// Start of the window.
+        from_tai_ns: i128,
+        /// Reserved time in it.
+        used_ns: i128,
+    },
+    /// The memory overflows.
+    #[error("the memory would hold {held_bit} bits at {at_tai_ns} ns TAI")]
+    Memory {
+        /// When.
+        at_tai_ns: i128,
+        /// What it would hold.
+        held_bit: i128,
+    },
+    /// Scan angles are too alike.
+    #[error("scan angles of target {target} on telescope {telescope} are too alike at n = {n}")]
+    ScanAngle {
+        /// Multiple of the crossing angle.
+        n: u32,
+        /// Index of the target.
+        target: usize,
+        /// Index of the telescope.
+        telescope: usize,
+    },
+    /// A season holds too few sessions.
+    #[error(
+        "a season of target {target} on telescope {telescope} holds {held} sessions, fewer than \
+         {wanted}"
+    )]
+    Season {
+        /// Index of the target.
+        target: usize,
+        /// Index of the telescope.
+        telescope: usize,
+        /// Sessions in it.
+        held: i128,
+        /// Fewest allowed.
+        wanted: i128,
+    },
 }
 
 /// A reserved interval.
@@ -79,7 +132,8 @@ pub fn check(problem: &Problem, chosen: &[usize]) -> Result<(), Violation> {
     }
     check_overlap(problem, &all)?;
     check_days(problem, &all)?;
-    check_counts(problem, &all)
+    check_counts(problem, &all)?;
+    fulfil::demands(problem, chosen)
 }
 
 fn check_overlap(problem: &Problem, all: &[Interval]) -> Result<(), Violation> {

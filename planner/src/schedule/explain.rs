@@ -7,8 +7,8 @@
 
 use super::draft::Draft;
 use super::model::Model;
-use super::number::{f64_from_i64, i64_from_usize};
 use super::price::Prices;
+use crate::program::number::{f64_from_i64, i64_from_usize};
 use onboard_core::time::{Duration, Instant};
 use std::fmt;
 
@@ -49,6 +49,26 @@ pub enum Because {
         /// Most sessions that may start in it.
         count: usize,
     },
+    /// It touches a blackout.
+    Blackout {
+        /// Index of the blackout.
+        index: usize,
+    },
+    /// Its line of sight comes too near to a body to avoid.
+    Avoided,
+    /// A person forbids it.
+    Forbidden,
+    /// Reserved time in a sliding window would exceed the limit.
+    Thermal,
+    /// The memory would overflow.
+    Memory,
+    /// The scan angles of its target and telescope would be too alike.
+    ScanAngle {
+        /// Multiple of the crossing angle.
+        n: u32,
+    },
+    /// No rule: taking it would bring less than it costs, or only together with other changes.
+    NotWorth,
 }
 
 impl Because {
@@ -80,6 +100,15 @@ impl fmt::Display for Because {
                 "the window from {} ns TAI already holds {count} sessions, the most allowed",
                 from.tai_ns()
             ),
+            Self::Blackout { index } => write!(f, "it touches blackout {index}"),
+            Self::Avoided => f.write_str("its line of sight comes too near to a body to avoid"),
+            Self::Forbidden => f.write_str("it is forbidden"),
+            Self::Thermal => f.write_str("the reserved time in a thermal window would be too long"),
+            Self::Memory => f.write_str("the memory would overflow before the next contacts"),
+            Self::ScanAngle { n } => {
+                write!(f, "the scan angles would be too alike at n = {n}")
+            }
+            Self::NotWorth => f.write_str("taking it brings less than it costs"),
         }
     }
 }
@@ -110,6 +139,43 @@ pub enum Rule {
     SessionCount {
         /// Start of the window.
         from: Instant,
+    },
+    /// Sessions in a season; used and limit in sessions, the limit a least number.
+    MinSessions {
+        /// Index of the target.
+        target: usize,
+        /// Index of the telescope.
+        telescope: usize,
+        /// Start of the season.
+        from: Instant,
+    },
+    /// Windows of the longest gap without a session; used in days beyond it, limit 0.
+    Gap {
+        /// Index of the telescope.
+        telescope: usize,
+        /// Start of the first window.
+        from: Instant,
+    },
+    /// Reserved time in the window that begins here; used and limit in seconds.
+    Thermal {
+        /// Start of the window.
+        from: Instant,
+    },
+    /// Data produced in a stretch of time; used and limit in seconds of production.
+    Memory {
+        /// Start of the stretch.
+        from: Instant,
+        /// Its end.
+        until: Instant,
+    },
+    /// Mean resultant length of scan angles; used and limit are lengths.
+    ScanAngle {
+        /// Multiple of the crossing angle.
+        n: u32,
+        /// Index of the target.
+        target: usize,
+        /// Index of the telescope.
+        telescope: usize,
     },
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Method: [`round`] takes sessions in order of their relaxed share in steps of 1e-4, then by value
 //! per reserved time, then by position: ties fall the same way every time. [`improve`] slides a span
-//! as long as a cell over the mission by a quarter of its length; all sessions that start inside are
+//! of one and a half cells over the mission by a quarter of a cell; all sessions that start inside are
 //! taken out, and the best set given all that stands outside, found by exact search, is put in.
 //! Passes repeat until one changes nothing.
 //!
@@ -10,21 +10,22 @@
 
 use super::draft::Draft;
 use super::model::Model;
-use super::number::{f64_from_i64, i64_from_f64, i64_from_usize};
 use super::price::Prices;
 use super::relaxation::Relaxed;
 use super::search::{Effort, Item, Region, search};
+use crate::program::number::{f64_from_i64, i64_from_f64, i64_from_usize};
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
 /// Most nodes of one search.
-const NODES: usize = 1_000;
+const NODES: usize = 2_000;
 /// Shares count in steps of 1e-4.
 const SHARE_STEPS: f64 = 1e4;
 /// Offsets of the running sum tried in rounding.
 const OFFSETS: i64 = 4;
-/// Spans in the length of a cell.
+/// Spans begin so many to a cell, and each is so many of these steps long.
 const SLIDES: i64 = 4;
+const SPAN: i64 = 6;
 
 /// Prices, and what each session is worth beyond what it pays.
 #[derive(Debug)]
@@ -106,9 +107,9 @@ pub(super) fn improve(
     let slide = (last.saturating_sub(first) / cells / SLIDES).max(1);
     for _ in 0..passes {
         let mut changed = false;
-        let mut from = first.saturating_sub(slide * (SLIDES - 1));
+        let mut from = first.saturating_sub(slide * (SPAN - 1));
         while from < last {
-            changed |= exchange(draft, model, priced, (from, from.saturating_add(slide * SLIDES)));
+            changed |= exchange(draft, model, priced, (from, from.saturating_add(slide * SPAN)));
             from = from.saturating_add(slide);
         }
         changed |= swap(draft, model);

@@ -17,7 +17,6 @@
 //! output. The schedule need not be the best one; the bound holds for any prices, whatever the
 //! solver did. Gaps reached are stated and held by `tests/schedule.rs`.
 
-mod number;
 mod model;
 mod price;
 mod bound;
@@ -29,10 +28,19 @@ mod draft;
 mod assemble;
 mod improve;
 mod explain;
+mod demands;
+mod families;
+mod rows;
+mod conflict;
+mod whole;
+mod fulfil;
 mod check;
 
 pub use check::{Violation, check};
+pub use conflict::{Conflict, RuleName};
+pub use demands::{Contact, Data, Demands, Diversity, Log, LongestGap, Previous, Thermal};
 pub use explain::{Because, ConstraintUse, Rejection, Rule};
+pub use whole::Stop;
 
 use draft::Draft;
 use improve::Priced;
@@ -48,7 +56,7 @@ pub const MAX_CANDIDATES: usize = 1 << 21;
 /// A schedule within one part in this many of the bound is good enough.
 const CLOSE: i128 = 100_000;
 /// Most passes of exchanges over the schedule that was rounded, assembled, and mixed of both.
-const PASSES: (usize, usize, usize) = (3, 1, 2);
+const PASSES: (usize, usize, usize) = (3, 3, 6);
 
 /// One opportunity, as far as scheduling is concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,6 +122,8 @@ pub struct Problem {
     pub weights: Vec<f64>,
     /// The rules.
     pub rules: Rules,
+    /// What else is asked for.
+    pub demands: Demands,
 }
 
 /// Why the search for a better schedule ended.
@@ -127,6 +137,8 @@ pub enum Stopped {
     LocalOptimum,
     /// The limit on the work was reached.
     WorkLimit,
+    /// The caller asked to stop.
+    Interrupted,
     /// The relaxation could not be solved: bound and schedule do without its prices.
     NoRelaxation,
 }
@@ -138,6 +150,7 @@ impl fmt::Display for Stopped {
             Self::Close => "the schedule is within a hundred-thousandth of the bound",
             Self::LocalOptimum => "no exchange within a day improves the schedule",
             Self::WorkLimit => "the limit on the search's work was reached",
+            Self::Interrupted => "stopped before the search's end: the best schedule so far",
             Self::NoRelaxation => {
                 "the relaxation could not be solved, so bound and schedule do without its prices"
             }
@@ -162,10 +175,12 @@ pub struct Schedule {
     pub rejected: Vec<Rejection>,
     /// How far the rules are used.
     pub constraints: Vec<ConstraintUse>,
+    /// Sessions added to or dropped from the earlier plan.
+    pub changes: usize,
 }
 
 /// Why a problem has no schedule.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum ScheduleError {
     /// A weight is not a number to optimise with.
     #[error("the weight of target {target} is {weight}, but must be finite and not negative")]
@@ -226,6 +241,43 @@ pub enum ScheduleError {
     /// More candidates than [`MAX_CANDIDATES`].
     #[error("there are {0} candidates, but at most {MAX_CANDIDATES} can be scheduled")]
     TooMany(usize),
+    /// A list of a demand has not one entry per candidate.
+    #[error("{name} has {entries} entries for {candidates} candidates")]
+    Entries {
+        /// Which demand.
+        name: &'static str,
+        /// Its entries.
+        entries: usize,
+        /// Number of candidates.
+        candidates: usize,
+    },
+    /// A demand names a candidate that does not exist.
+    #[error("{name} names candidate {candidate}, which does not exist")]
+    Candidate {
+        /// Which demand.
+        name: &'static str,
+        /// The candidate.
+        candidate: usize,
+    },
+    /// A number of a demand is out of range.
+    #[error("{name} is {number}, but must {must}")]
+    Number {
+        /// Which number.
+        name: &'static str,
+        /// Its value.
+        number: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// Contacts overlap or end before they start.
+    #[error("ground contact {0} does not come after the one before it, or ends before it starts")]
+    Contacts(usize),
+    /// The rules contradict each other.
+    #[error("{0}")]
+    Infeasible(Conflict),
+    /// The search found no schedule, and no proof that there is none.
+    #[error("the search found no schedule that meets all rules, nor a proof that there is none")]
+    NotFound,
     /// The program's own schedule broke a rule.
     #[error("internal: the schedule found breaks a rule: {0}")]
     Unsound(Violation),
@@ -300,35 +352,25 @@ impl Problem {
                 return Err(ScheduleError::Value { candidate });
             }
         }
-        Ok(())
+        self.demands.validate(self.candidates.len())
     }
 }
 
 /// Finds a good schedule and a bound on all schedules.
 ///
 /// # Errors
-/// [`ScheduleError`] when the problem is not well posed.
+/// [`ScheduleError`] when the problem is not well posed, or its rules contradict each other.
 pub fn schedule(problem: &Problem) -> Result<Schedule, ScheduleError> {
+    schedule_until(problem, None)
+}
+
+/// As [`schedule`], until `stop` says to stop: then the best schedule so far, its bound still safe.
+///
+/// # Errors
+/// As [`schedule`]; [`ScheduleError::NotFound`] where nothing was found in time.
+pub fn schedule_until(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, ScheduleError> {
     problem.validate()?;
-    let (model, mut reasons) = Model::new(problem);
-    let relaxed = relaxation::solve(&model);
-    let (draft, bound, stopped) = best(&model, &relaxed);
-    let chosen: Vec<usize> = draft.chosen().map(|id| model.sessions[id].candidate).collect();
-    check(problem, &chosen).map_err(ScheduleError::Unsound)?;
-    explain::left_out(&model, &draft, &mut reasons);
-    // A fold from zero: the sum of no values is otherwise minus zero.
-    let values = chosen.iter().map(|&candidate| problem.value(candidate));
-    let objective = values.fold(0.0, |sum, value| sum + value);
-    let upper_bound = model.value_from_units(bound).max(objective);
-    Ok(Schedule {
-        chosen,
-        objective,
-        upper_bound,
-        gap: if upper_bound > 0.0 { (upper_bound - objective) / upper_bound } else { 0.0 },
-        stopped,
-        rejected: explain::rejections(reasons),
-        constraints: explain::usage(&model, &draft, &relaxed.prices),
-    })
+    whole::schedule(problem, stop)
 }
 
 /// The best schedule found, a bound on all schedules in units, and why the search ended.
@@ -405,6 +447,7 @@ mod tests {
                 max_sessions: None,
                 day_boundaries: vec![at(0), at(100), at(200)],
             },
+            demands: Demands::default(),
         };
         let (model, _) = Model::new(&problem);
         let relaxed =

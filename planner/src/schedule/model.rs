@@ -10,8 +10,8 @@
 //! Limits: candidates without value, outside the mission, or too long for a day never enter.
 
 use super::explain::Because;
-use super::number::{f64_from_i128, i64_from_f64};
 use super::{Exclusive, Problem, Rules};
+use crate::program::number::{f64_from_i128, i64_from_f64};
 use onboard_core::time::Duration;
 
 /// Units of the largest value.
@@ -154,6 +154,11 @@ impl Model {
         f64_from_i128(units) / LARGEST_VALUE * self.largest * (1.0 + 2.0 * f64::EPSILON)
     }
 
+    /// Units of the largest value, and that value.
+    pub(super) const fn unit(&self) -> (f64, f64) {
+        (LARGEST_VALUE, self.largest)
+    }
+
     /// A price in units as a value.
     pub(super) fn price_from_units(&self, units: f64) -> f64 {
         units / LARGEST_VALUE * self.largest
@@ -171,6 +176,16 @@ fn screen(problem: &Problem, index: usize) -> Option<Because> {
     }
     if end > problem.span.1 {
         return Some(Because::AfterMission);
+    }
+    let demands = &problem.demands;
+    if demands.forbidden.contains(&index) {
+        return Some(Because::Forbidden);
+    }
+    if demands.avoided.binary_search(&index).is_ok() {
+        return Some(Because::Avoided);
+    }
+    if let Some(index) = demands.blackouts.iter().position(|it| it.0 < end && start < it.1) {
+        return Some(Because::Blackout { index });
     }
     if problem.rules.max_sessions.is_some_and(|it| it.count == 0) {
         return Some(Because::SessionCount { from: start, count: 0 });

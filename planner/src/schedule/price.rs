@@ -17,7 +17,7 @@
 //! Limits: a price is cut at 2^42 units, four times the most valuable session.
 
 use super::model::{Model, Session};
-use super::number::{i64_from_f64, i64_from_i128, i128_from_f64};
+use crate::program::number::{i64_from_f64, i64_from_i128, i128_from_f64};
 
 /// Fractional bits of a cell's price per nanosecond.
 const FRACTION_BITS: u32 = 48;

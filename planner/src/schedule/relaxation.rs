@@ -14,12 +14,14 @@
 
 use super::bound::priced;
 use super::model::Model;
-use super::number::{f64_from_i64, f64_from_i128, i64_from_usize};
 use super::price::{Ladder, Prices};
+use crate::program::number::{f64_from_i64, f64_from_i128, i64_from_usize};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
 };
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// One unit of the relaxation's objective, in units of value.
 const UNIT: f64 = 1_099_511_627_776.0;
@@ -113,7 +115,7 @@ fn first_sessions(model: &Model) -> Vec<bool> {
         for &id in ids.iter().take(FIRST.0) {
             inside[id] = true;
         }
-        ids.sort_by_key(|&id| std::cmp::Reverse(model.sessions[id].value));
+        ids.sort_by_key(|&id| Reverse(model.sessions[id].value));
         for &id in ids.iter().take(FIRST.1) {
             inside[id] = true;
         }
@@ -252,27 +254,31 @@ impl Rows {
 }
 
 /// One instant in each maximal set of sessions that overlap; sessions come by start.
-fn cliques(model: &Model, ids: impl Iterator<Item = usize>) -> Vec<i64> {
+///
+/// A set is maximal where a session ends before the next one starts.
+pub(super) fn cliques(model: &Model, ids: impl Iterator<Item = usize>) -> Vec<i64> {
     let mut points = Vec::new();
-    let mut open: Option<(i64, i64)> = None;
+    let mut ends: BinaryHeap<Reverse<i64>> = BinaryHeap::new();
+    let mut last = None;
     for id in ids {
         let session = &model.sessions[id];
-        // `open` is the last start and the first end since the last instant was set down.
-        open = match open {
-            Some((last, first_end)) if session.start >= first_end => {
-                points.push(last);
-                Some((session.start, session.end))
-            }
-            Some((_, first_end)) => Some((session.start, first_end.min(session.end))),
-            None => Some((session.start, session.end)),
-        };
+        let ended =
+            |ends: &BinaryHeap<Reverse<i64>>| ends.peek().is_some_and(|end| end.0 <= session.start);
+        if ended(&ends) {
+            points.extend(last);
+        }
+        while ended(&ends) {
+            ends.pop();
+        }
+        ends.push(Reverse(session.end));
+        last = Some(session.start);
     }
-    points.extend(open.map(|(last, _)| last));
+    points.extend(last);
     points
 }
 
 /// First instants of the windows that get a row.
-fn window_starts(model: &Model, ids: &[usize]) -> Vec<i64> {
+pub(super) fn window_starts(model: &Model, ids: &[usize]) -> Vec<i64> {
     let Some((count, window)) = model.count else { return Vec::new() };
     let apart = (window / WINDOWS).min(MOST_APART);
     let mut points: Vec<i64> = Vec::new();

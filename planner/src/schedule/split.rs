@@ -13,25 +13,25 @@
 //! and Braun 1993, Rprop). Only cells whose amounts changed are searched again. Amounts are integers,
 //! so rounding does not enter.
 //!
-//! Limits: [`ROUNDS`] rounds, fewer for more than two years of days; a cell's search is cut at [`NODES`] nodes and then bounded by what it
+//! Limits: [`ROUNDS`] rounds, fewer for more than three years of days; a cell's search is cut at [`NODES`] nodes and then bounded by what it
 //! did not visit.
 
 use super::bound::{cell_worth, windows_worth};
 use super::model::Model;
-use super::number::{f64_from_i64, i64_from_f64, i64_from_usize};
 use super::price::{Ladder, Prices};
 use super::search::{Effort, Found, Item, Region, search};
+use crate::program::number::{f64_from_i64, i64_from_f64, i64_from_usize};
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
 /// Most rounds.
-const ROUNDS: usize = 26;
+const ROUNDS: usize = 100;
 /// Cells times rounds are at most this, so that long missions take seconds.
-const SEARCHES: usize = 18_000;
+const SEARCHES: usize = 120_000;
 /// Rounds that even the longest mission gets.
 const FEWEST_ROUNDS: usize = 4;
 /// Most nodes of one cell's search.
-const NODES: usize = 2_000;
+const NODES: usize = 4_000;
 /// First step of an amount, and of a window's price, over the mean value of a relaxed session.
 const FIRST_STEP: (f64, f64) = (0.12, 0.012);
 /// A step grows by this factor while its sign stays, and shrinks by the other when it turns.

@@ -2,7 +2,7 @@
 //! of a precessing, spinning telescope. Deterministic; no kernel needed.
 
 use onboard_core::time::{Duration, Instant};
-use planner::schedule::{Candidate, Exclusive, Problem, Rules, SessionCount};
+use planner::schedule::{Candidate, Demands, Exclusive, Problem, Rules, SessionCount};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
@@ -99,7 +99,13 @@ pub(crate) fn mission(days: i64, seed: u64, jitter: bool, rules: Rules) -> Probl
             Candidate { target, telescope, first_entry, last_exit, dwell }
         })
         .collect();
-    Problem { span: (at(0.0), at(span_s)), candidates, weights: vec![1.0; 5], rules }
+    Problem {
+        span: (at(0.0), at(span_s)),
+        candidates,
+        weights: vec![1.0; 5],
+        rules,
+        demands: Demands::default(),
+    }
 }
 
 /// Angle of a planet on the ecliptic from the spin axis in degrees.

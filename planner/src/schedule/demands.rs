@@ -1,0 +1,201 @@
+//! What a schedule must respect beyond the first [`Rules`](super::Rules), and what else it may aim at.
+//!
+//! Each part is absent unless given. Times are instants of TAI, durations nanoseconds, prices in units
+//! of the objective.
+//!
+//! Limits: a season is a stretch of the mission from its start, not a window that slides; the
+//! longest gap is charged in steps (see [`LongestGap`]); scan angles count in whole milliseconds.
+
+use super::{ScheduleError, SessionCount};
+use onboard_core::time::{Duration, Instant};
+
+/// Further rules, and the objective.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Demands {
+    /// At least `count` sessions of each target on each telescope in each season of length `window`,
+    /// or as many as it has opportunities there. Seasons follow each other from the mission's start; a
+    /// shorter last one asks for its share, rounded down.
+    pub min_sessions: Option<SessionCount>,
+    /// The longest time without a session on a telescope, and what exceeding it costs.
+    pub longest_gap: Option<LongestGap>,
+    /// Bounds on scan angles, per target and telescope.
+    pub diversity: Vec<Diversity>,
+    /// Memory and downlink.
+    pub data: Option<Data>,
+    /// Reserved time in a sliding window.
+    pub thermal: Option<Thermal>,
+    /// Half-open intervals that no session may touch.
+    pub blackouts: Vec<(Instant, Instant)>,
+    /// Candidates whose line of sight comes too near to a body to avoid, ascending.
+    pub avoided: Vec<usize>,
+    /// Candidates that must stand.
+    pub fixed: Vec<usize>,
+    /// Candidates that must not stand.
+    pub forbidden: Vec<usize>,
+    /// An earlier plan.
+    pub previous: Option<Previous>,
+    /// The objective is logarithmic.
+    pub log: Option<Log>,
+}
+
+/// Each day that a telescope goes without a session beyond `longest` costs `price_per_day`.
+///
+/// The charge is exact for windows of length `longest` whose starts are [`LongestGap::step`] apart:
+/// each that no session starts in, though some opportunity does, costs a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LongestGap {
+    /// The longest gap that is free, positive.
+    pub longest: Duration,
+    /// Objective lost per day beyond it, finite and not negative.
+    pub price_per_day: f64,
+}
+
+impl LongestGap {
+    /// Time between the starts of two windows: an eighth of the gap.
+    #[must_use]
+    pub fn step(&self) -> Duration {
+        Duration::from_ns((self.longest.ns() / 8).max(1))
+    }
+}
+
+/// `|sum w exp(i n psi)| <= rho sum w` over the passes of each target on each telescope.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diversity {
+    /// Multiple of the crossing angle.
+    pub n: u32,
+    /// Largest mean resultant length, 0 to 1.
+    pub rho: f64,
+    /// Per candidate: the sums over its passes of w, w cos(n psi) and w sin(n psi), w in seconds.
+    pub sums: Vec<[f64; 3]>,
+}
+
+/// A ground contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Contact {
+    /// Its start.
+    pub from: Instant,
+    /// Its end.
+    pub until: Instant,
+    /// Whole bits sent per second.
+    pub bit_s: u64,
+}
+
+/// Sessions produce data between first entry and last exit; contacts drain the memory.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Data {
+    /// Whole bits produced per second, positive.
+    pub rate_bit_s: u64,
+    /// Bits that the memory holds.
+    pub memory_bit: u64,
+    /// Contacts in order, not overlapping.
+    pub contacts: Vec<Contact>,
+}
+
+/// At most `most` reserved time of all sessions together in any window of length `window`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Thermal {
+    /// Most reserved time.
+    pub most: Duration,
+    /// Length of the window, positive.
+    pub window: Duration,
+}
+
+/// A plan to stay close to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Previous {
+    /// Its sessions, as candidates of this problem.
+    pub sessions: Vec<usize>,
+    /// Objective that each session added or dropped must bring, finite and not negative.
+    pub price: f64,
+}
+
+/// The objective is `sum over cells of weight ln(1 + t / offset)`, t the time in view in the cell: a
+/// target on a telescope in an epoch at a range of scan angles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    /// The time that counts as one unit of information, positive.
+    pub offset: Duration,
+    /// Length of an epoch, positive.
+    pub epoch: Duration,
+    /// Per candidate: scan-angle bins and the time in each.
+    pub parts: Vec<Vec<(u32, Duration)>>,
+}
+
+impl Demands {
+    /// Whether nothing is asked for.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub(super) fn validate(&self, candidates: usize) -> Result<(), ScheduleError> {
+        let entries = |name, entries: usize| {
+            let error = ScheduleError::Entries { name, entries, candidates };
+            if entries == candidates { Ok(()) } else { Err(error) }
+        };
+        let exist = |name, list: &[usize]| match list.iter().find(|it| **it >= candidates) {
+            Some(&candidate) => Err(ScheduleError::Candidate { name, candidate }),
+            None => Ok(()),
+        };
+        let positive = |name, length: Duration| {
+            let error = ScheduleError::Duration { name, ns: length.ns(), must: "be positive" };
+            if length.ns() > 0 { Ok(()) } else { Err(error) }
+        };
+        let price = |name, number: f64| {
+            let must = "be finite and not negative";
+            let legal = number.is_finite() && number >= 0.0;
+            if legal { Ok(()) } else { Err(ScheduleError::Number { name, number, must }) }
+        };
+        exist("fixed", &self.fixed)?;
+        exist("forbidden", &self.forbidden)?;
+        exist("avoided", &self.avoided)?;
+        if let Some(rule) = self.min_sessions {
+            positive("the season of min_sessions", rule.window)?;
+        }
+        if let Some(rule) = self.longest_gap {
+            positive("the longest gap", rule.longest)?;
+            price("the price per day of the longest gap", rule.price_per_day)?;
+        }
+        for rule in &self.diversity {
+            entries("scan_angle", rule.sums.len())?;
+            let (name, number) = ("rho of scan_angle", rule.rho);
+            if !(0.0..=1.0).contains(&number) {
+                return Err(ScheduleError::Number { name, number, must: "lie from 0 to 1" });
+            }
+            let finite = |sums: &[f64; 3]| sums.iter().all(|it| it.abs() < 1e9);
+            if let Some(candidate) = rule.sums.iter().position(|sums| !finite(sums)) {
+                return Err(ScheduleError::Candidate { name: "scan_angle", candidate });
+            }
+        }
+        if let Some(data) = &self.data {
+            if data.rate_bit_s == 0 {
+                let (name, must) = ("the data rate", "be positive");
+                return Err(ScheduleError::Number { name, number: 0.0, must });
+            }
+            let mut last = None;
+            for (index, it) in data.contacts.iter().enumerate() {
+                if it.until < it.from || last.is_some_and(|last| it.from < last) {
+                    return Err(ScheduleError::Contacts(index));
+                }
+                last = Some(it.until);
+            }
+        }
+        if let Some(rule) = self.thermal {
+            positive("the thermal window", rule.window)?;
+            let (name, ns) = ("the thermal limit", rule.most.ns());
+            if ns < 0 {
+                return Err(ScheduleError::Duration { name, ns, must: "not be negative" });
+            }
+        }
+        if let Some(previous) = &self.previous {
+            exist("the previous plan", &previous.sessions)?;
+            price("the price of a change", previous.price)?;
+        }
+        if let Some(log) = &self.log {
+            entries("the logarithmic objective", log.parts.len())?;
+            positive("the offset of the logarithmic objective", log.offset)?;
+            positive("the epoch of the logarithmic objective", log.epoch)?;
+        }
+        Ok(())
+    }
+}

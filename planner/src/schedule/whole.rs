@@ -1,0 +1,346 @@
+//! The schedule under all rules: the day by day search where it is sharp, the integer programme for
+//! everything.
+//!
+//! Method: over many sessions the day by day search (`split.rs`) gives a schedule under the first
+//! rules and a bound; leaving rules out and charges away only raises a bound, so it holds under all
+//! rules. The integer programme (`crate::program`) starts from that schedule, knows every rule, and
+//! gives a second bound; the lower of the two counts. Demands that cannot be met are explained by
+//! `conflict.rs`.
+//!
+//! Limits: as both methods; the logarithmic objective has the programme alone.
+
+use super::conflict::{find, is_demanding};
+use super::draft::Draft;
+use super::explain::{self, Because, ConstraintUse, Rule};
+use super::model::Model;
+use super::relaxation::{self, Relaxed};
+use super::rows::{Built, Facts, build, cone_members};
+use super::{Problem, Schedule, ScheduleError, Stopped, best, check};
+use crate::program::number::{f64_from_i128, f64_from_usize};
+use crate::program::{Aids, Ended, Family, Limits, Outcome, solve};
+use onboard_core::time::Duration;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Up to so many sessions the programme works alone.
+const FEW: usize = 60;
+/// Limits of the programme beside the day by day search.
+const BESIDE: Limits =
+    Limits { nodes: 20_000, work: 4_000_000_000, cut_rounds: 4, passes: 1, exchange_nodes: 60 };
+/// The same above so many sessions, where it hardly does more than exchange.
+const MANY: usize = 6_000;
+const FEWER: Limits = Limits { cut_rounds: 0, exchange_nodes: 30, ..BESIDE };
+
+/// Asked whether to stop.
+pub type Stop<'a> = Option<&'a (dyn Fn() -> bool + Sync)>;
+
+/// The schedule of a validated problem.
+pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, ScheduleError> {
+    let demands = &problem.demands;
+    let (model, mut reasons) = Model::new(problem);
+    let facts = Facts::new(problem, &model);
+    let built = build(problem, &model, &facts);
+    let relaxed = relaxation::solve(&model);
+    let linear = demands.log.is_none();
+    let day_by_day = linear && model.sessions.len() > FEW;
+    let days = day_by_day.then(|| Days::new(problem, &model, &relaxed));
+    let id_of: BTreeMap<usize, usize> =
+        model.sessions.iter().enumerate().map(|(id, it)| (it.candidate, id)).collect();
+    let mut start: Vec<usize> = Vec::new();
+    if let Some(days) = &days {
+        start = days.chosen.iter().filter_map(|it| id_of.get(it).copied()).collect();
+    }
+    if let Some(previous) = &demands.previous {
+        start = previous.sessions.iter().filter_map(|it| id_of.get(it).copied()).collect();
+    }
+    let families: Vec<&dyn Family> = built.families.iter().map(AsRef::as_ref).collect();
+    // With further rules the day by day search tells less.
+    let alone = !day_by_day || !demands.is_empty();
+    let limits = match (model.sessions.len() > MANY, !alone) {
+        (true, _) => FEWER,
+        (false, true) => BESIDE,
+        (false, false) => Limits { work: 15_000_000_000, ..Limits::default() },
+    };
+    // The day by day search's bound, in the programme's units.
+    let known = days.as_ref().and_then(|it| it.units).map(|bound| bound + built.offset);
+    let attempt = |start: &[usize]| {
+        let aids = Aids { families: &families, start, stop, bound: known };
+        solve(&built.program, &limits, &aids)
+    };
+    let lacking = demands.fixed.iter().any(|it| !id_of.contains_key(it));
+    let mut found = if lacking { None } else { attempt(&start).ok() };
+    let meets = |found: &Option<Outcome>| -> bool {
+        let taken = found.as_ref().and_then(|it| it.taken.as_ref());
+        taken.is_some_and(|taken| check(problem, &candidates(&model, taken)).is_ok())
+    };
+    if !meets(&found) && (is_demanding(demands) || found.is_none()) {
+        match find(problem).map_err(ScheduleError::Infeasible)? {
+            Some(met) => {
+                let start: Vec<usize> =
+                    met.iter().filter_map(|it| id_of.get(it).copied()).collect();
+                found = attempt(&start).ok();
+            }
+            None => return Err(ScheduleError::NotFound),
+        }
+    }
+    let Some(found) = found else { return Err(ScheduleError::NotFound) };
+    let taken = found.taken.clone().ok_or(ScheduleError::NotFound)?;
+    let chosen = candidates(&model, &taken);
+    check(problem, &chosen).map_err(ScheduleError::Unsound)?;
+
+    let mut draft = Draft::new(&model);
+    for &id in &taken {
+        draft.add(id);
+    }
+    explain::left_out(&model, &draft, &mut reasons);
+    let marks = marks(&model, &taken);
+    left_out(problem, &model, &built, &marks, &mut reasons);
+
+    let objective = objective(problem, &built, &facts, &model, &taken);
+    let units = found.bound - built.offset;
+    let mut upper_bound = value_above(units, &built);
+    if let Some(days) = &days {
+        upper_bound = upper_bound.min(days.bound);
+    }
+    let upper_bound = upper_bound.max(objective);
+    let gap = (upper_bound - objective) / upper_bound.abs();
+    let stopped = match found.ended {
+        Ended::Stopped => Stopped::Interrupted,
+        Ended::Proven => Stopped::Optimal,
+        Ended::Work if units - (found.value - built.offset) <= 0 => Stopped::Optimal,
+        Ended::Work if gap <= 1e-5 => Stopped::Close,
+        Ended::Work => Stopped::WorkLimit,
+    };
+    let mut constraints = explain::usage(&model, &draft, &relaxed.prices);
+    constraints.extend(usage(problem, &model, &built, &facts, &found, &marks));
+    Ok(Schedule {
+        chosen,
+        objective,
+        upper_bound,
+        gap: if upper_bound.abs() > 0.0 { gap } else { 0.0 },
+        stopped,
+        rejected: explain::rejections(reasons),
+        constraints,
+        changes: changes(problem, &taken, &model),
+    })
+}
+
+/// What the day by day search gives.
+struct Days {
+    /// Candidates of its schedule.
+    chosen: Vec<usize>,
+    /// No schedule is worth more.
+    bound: f64,
+    /// The same in units, where the models share them.
+    units: Option<i128>,
+}
+
+impl Days {
+    /// A limit on reserved time in windows of a day or more binds each day as well.
+    fn new(problem: &Problem, model: &Model, relaxed: &Relaxed) -> Self {
+        let boundaries = &problem.rules.day_boundaries;
+        let longest = boundaries.windows(2).map(|day| day[1].since(day[0])).max();
+        let covered = boundaries.first().is_some_and(|it| *it <= problem.span.0)
+            && boundaries.last().is_some_and(|it| *it >= problem.span.1);
+        let daily = problem
+            .demands
+            .thermal
+            .filter(|it| covered && longest.is_some_and(|day| it.window >= day))
+            .map(|it| it.most)
+            .filter(|most| problem.rules.max_per_day.is_none_or(|limit| *most < limit));
+        let Some(daily) = daily else { return Self::of(model, relaxed, true) };
+        let mut tighter = problem.clone();
+        tighter.rules.max_per_day = Some(daily);
+        let (tighter, _) = Model::new(&tighter);
+        Self::of(&tighter, &relaxation::solve(&tighter), tighter.unit() == model.unit())
+    }
+
+    fn of(model: &Model, relaxed: &Relaxed, shared: bool) -> Self {
+        let (draft, bound, _) = best(model, relaxed);
+        let taken: Vec<usize> = draft.chosen().collect();
+        Self {
+            chosen: candidates(model, &taken),
+            bound: model.value_from_units(bound),
+            units: shared.then_some(bound),
+        }
+    }
+}
+
+/// Candidates of sessions, by start.
+fn candidates(model: &Model, taken: &[usize]) -> Vec<usize> {
+    taken.iter().map(|&id| model.sessions[id].candidate).collect()
+}
+
+fn marks(model: &Model, taken: &[usize]) -> Vec<bool> {
+    let mut marks = vec![false; model.sessions.len()];
+    for &id in taken {
+        marks[id] = true;
+    }
+    marks
+}
+
+/// Units as a value, rounded up.
+fn value_above(units: i128, built: &Built<'_>) -> f64 {
+    let value = built.value(f64_from_i128(units));
+    value + 4.0 * f64::EPSILON * value.abs()
+}
+
+/// Candidates of the earlier plan that were dropped, and those that it did not have.
+fn changes(problem: &Problem, taken: &[usize], model: &Model) -> usize {
+    let Some(previous) = &problem.demands.previous else { return 0 };
+    let before: BTreeSet<usize> = previous.sessions.iter().copied().collect();
+    let now: BTreeSet<usize> = taken.iter().map(|&id| model.sessions[id].candidate).collect();
+    before.symmetric_difference(&now).count()
+}
+
+/// What a schedule is worth, charges taken off.
+fn objective(
+    problem: &Problem,
+    built: &Built<'_>,
+    facts: &Facts,
+    model: &Model,
+    taken: &[usize],
+) -> f64 {
+    let demands = &problem.demands;
+    let sum = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |sum, value| sum + value);
+    let mut worth = match &demands.log {
+        None => sum(&mut taken.iter().map(|&id| problem.value(model.sessions[id].candidate))),
+        Some(log) => {
+            let mut cells: BTreeMap<(usize, usize, i64, u32), f64> = BTreeMap::new();
+            for &id in taken {
+                let session = &model.sessions[id];
+                let since = session.start.saturating_sub(problem.span.0.tai_ns());
+                let epoch = since.div_euclid(log.epoch.ns().max(1));
+                for &(bin, time) in &log.parts[session.candidate] {
+                    let key = (facts.of[id].0, facts.of[id].1, epoch, bin);
+                    *cells.entry(key).or_default() += time.seconds();
+                }
+            }
+            let offset = log.offset.seconds();
+            let gains = cells.iter().map(|(key, t)| problem.weights[key.0] * (t / offset).ln_1p());
+            sum(&mut { gains })
+        }
+    };
+    let marks = marks(model, taken);
+    let empty = built.gaps.iter().filter(|gap| !gap.sessions.iter().any(|&id| marks[id])).count();
+    if empty > 0 {
+        worth -= built.gap_charge * f64_from_usize(empty);
+    }
+    if let Some(previous) = &demands.previous {
+        worth -= previous.price * f64_from_usize(changes(problem, taken, model));
+    }
+    worth
+}
+
+/// Reasons beyond the first rules: of what fits by those, the family that refuses.
+fn left_out(
+    problem: &Problem,
+    model: &Model,
+    built: &Built<'_>,
+    marks: &[bool],
+    reasons: &mut [Option<Because>],
+) {
+    let mut with = marks.to_vec();
+    for (id, session) in model.sessions.iter().enumerate() {
+        if marks[id] || reasons[session.candidate].is_some() {
+            continue;
+        }
+        with[id] = true;
+        let refusing = built.families.iter().position(|family| !family.broken(&with).is_empty());
+        let because = refusing.map(|place| built.named(problem, place));
+        reasons[session.candidate] = Some(because.unwrap_or(Because::NotWorth));
+        with[id] = false;
+    }
+}
+
+impl Built<'_> {
+    /// The reason that a family stands for, by its place: starts, heat, memory, then cones.
+    fn named(&self, problem: &Problem, place: usize) -> Because {
+        let demands = &problem.demands;
+        let mut at = place;
+        for (present, because) in [
+            (problem.rules.max_sessions.is_some(), Because::NotWorth),
+            (demands.thermal.is_some(), Because::Thermal),
+            (demands.data.is_some(), Because::Memory),
+        ] {
+            if present {
+                if at == 0 {
+                    return because;
+                }
+                at -= 1;
+            }
+        }
+        let cones = self.families.len() - (place - at);
+        let each = (cones / demands.diversity.len().max(1)).max(1);
+        demands
+            .diversity
+            .get(at / each)
+            .map_or(Because::NotWorth, |rule| Because::ScanAngle { n: rule.n })
+    }
+}
+
+/// How far the further rules are used.
+fn usage(
+    problem: &Problem,
+    model: &Model,
+    built: &Built<'_>,
+    facts: &Facts,
+    found: &Outcome,
+    marks: &[bool],
+) -> Vec<ConstraintUse> {
+    let seconds = |ns: i128| f64_from_i128(ns) / 1e9;
+    let standing = |ids: &[usize]| f64_from_usize(ids.iter().filter(|&&id| marks[id]).count());
+    let mut all = Vec::new();
+    let rows = built.program.rows.iter().zip(&built.rules).zip(&found.prices);
+    for ((row, rule), price) in rows {
+        let Some(rule) = rule else { continue };
+        let used: i128 = row.terms.iter().filter(|it| marks[it.0]).map(|it| i128::from(it.1)).sum();
+        all.push(ConstraintUse {
+            rule: *rule,
+            used: seconds(used),
+            limit: seconds(i128::from(row.limit)),
+            // Per second of limit.
+            shadow_price: built.value(price * 1e9),
+        });
+    }
+    for season in &built.seasons {
+        let held = season.sessions.iter().filter(|&&id| marks[id]).count();
+        all.push(ConstraintUse {
+            rule: season.rule,
+            used: f64_from_usize(held),
+            limit: f64_from_usize(season.wanted),
+            shadow_price: 0.0,
+        });
+    }
+    for gap in &built.gaps {
+        let empty = f64::from(u8::from(standing(&gap.sessions) < 0.5));
+        let step = problem.demands.longest_gap.map_or(Duration::ZERO, |it| it.step());
+        let price = problem.demands.longest_gap.map_or(0.0, |it| it.price_per_day);
+        if empty > 0.0 {
+            all.push(ConstraintUse {
+                rule: gap.rule,
+                used: step.seconds() / 86_400.0,
+                limit: 0.0,
+                shadow_price: price,
+            });
+        }
+    }
+    for diversity in &problem.demands.diversity {
+        for ((target, telescope), members) in cone_members(model, facts, diversity) {
+            let held = members.iter().filter(|it| marks[it.0]);
+            let (mut sums, mut weight) = ([0.0; 2], 0.0);
+            for &(id, ..) in held {
+                let [w, c, s] = diversity.sums[model.sessions[id].candidate];
+                sums[0] += c;
+                sums[1] += s;
+                weight += w;
+            }
+            all.push(ConstraintUse {
+                rule: Rule::ScanAngle { n: diversity.n, target, telescope },
+                used: if weight > 0.0 { sums[0].hypot(sums[1]) / weight } else { 0.0 },
+                limit: diversity.rho,
+                shadow_price: 0.0,
+            });
+        }
+    }
+    all
+}

@@ -1,0 +1,311 @@
+//! Schedules under every demand against exhaustive search, the demands read literally.
+
+#![expect(clippy::unwrap_used, reason = "a test may unwrap")]
+
+#[expect(dead_code, reason = "only the random numbers are of use here")]
+mod programs;
+
+use onboard_core::time::{Duration, Instant};
+use planner::schedule::{
+    Candidate, Contact, Data, Demands, Diversity, Exclusive, Log, LongestGap, Previous, Problem,
+    RuleName, Rules, ScheduleError, SessionCount, Stopped, Thermal, check, schedule,
+    schedule_until,
+};
+use programs::SplitMix64;
+use std::collections::BTreeMap;
+
+const MINUTE: i64 = 60_000_000_000;
+const DAY: i64 = 1_440 * MINUTE;
+
+fn at(minute: i64) -> Instant {
+    Instant::from_tai_ns(minute * MINUTE)
+}
+
+fn minutes(count: i64) -> Duration {
+    Duration::from_ns(count * MINUTE)
+}
+
+fn problem(candidates: Vec<Candidate>, days: i64) -> Problem {
+    Problem {
+        span: (at(0), at(1_440 * days)),
+        candidates,
+        weights: vec![1.0, 0.5],
+        rules: Rules {
+            setup: minutes(10),
+            cooldown: minutes(5),
+            exclusive: Exclusive::Telescope,
+            max_per_day: Some(minutes(400)),
+            max_sessions: Some(SessionCount { count: 3, window: minutes(1_440) }),
+            day_boundaries: (0..=days).map(|day| at(1_440 * day)).collect(),
+        },
+        demands: Demands::default(),
+    }
+}
+
+fn candidate(target: usize, telescope: usize, start: i64, length: i64) -> Candidate {
+    Candidate {
+        target,
+        telescope,
+        first_entry: at(start),
+        last_exit: at(start + length),
+        dwell: minutes(length / 2),
+    }
+}
+
+fn index(number: i64) -> usize {
+    usize::try_from(number).unwrap()
+}
+
+/// A few candidates over four days, under random demands.
+fn small(random: &mut SplitMix64) -> Problem {
+    let count = random.between(3, 11);
+    let candidates: Vec<Candidate> = (0..count)
+        .map(|_| {
+            candidate(
+                index(random.between(0, 1)),
+                index(random.between(0, 1)),
+                random.between(5, 5_600),
+                random.between(30, 150),
+            )
+        })
+        .collect();
+    let chance = |random: &mut SplitMix64, of: i64| random.between(0, of - 1) == 0;
+    let pick = |random: &mut SplitMix64| index(random.between(0, count - 1));
+    let mut demands = Demands::default();
+    if chance(random, 3) {
+        demands.min_sessions = Some(SessionCount { count: 1, window: minutes(2_880) });
+    }
+    if chance(random, 2) {
+        demands.longest_gap = Some(LongestGap {
+            longest: minutes(random.between(400, 2_000)),
+            price_per_day: 2_000.0,
+        });
+    }
+    if chance(random, 3) {
+        let sums = candidates.iter().map(|it| {
+            let angle = f64::from(i32::try_from(random.between(0, 359)).unwrap()).to_radians();
+            let w = it.dwell.seconds();
+            [w, w * (2.0 * angle).cos(), w * (2.0 * angle).sin()]
+        });
+        demands.diversity = vec![Diversity { n: 2, rho: 0.6, sums: sums.collect() }];
+    }
+    if chance(random, 2) {
+        let contacts = (0..4).map(|day| Contact {
+            from: at(1_440 * day + 600),
+            until: at(1_440 * day + 700),
+            bit_s: 300,
+        });
+        demands.data =
+            Some(Data { rate_bit_s: 1_000, memory_bit: 9_000_000, contacts: contacts.collect() });
+    }
+    if chance(random, 2) {
+        let most = minutes(random.between(120, 300));
+        demands.thermal = Some(Thermal { most, window: minutes(700) });
+    }
+    if chance(random, 3) {
+        demands.blackouts = vec![(at(1_000), at(1_400)), (at(3_000), at(3_100))];
+    }
+    if chance(random, 3) {
+        demands.avoided = vec![pick(random)];
+    }
+    if chance(random, 4) {
+        demands.fixed = vec![pick(random)];
+    }
+    if chance(random, 4) {
+        demands.forbidden = vec![pick(random)];
+    }
+    if chance(random, 3) {
+        let sessions = (0..index(count)).filter(|_| random.between(0, 2) == 0).collect();
+        demands.previous = Some(Previous { sessions, price: 700.0 });
+    }
+    if chance(random, 3) {
+        let parts = candidates.iter().map(|it| {
+            let first = it.dwell.ns() / 3;
+            let rest = Duration::from_ns(it.dwell.ns() - first);
+            vec![(0, Duration::from_ns(first)), (u32::from(chance(random, 2)) + 1, rest)]
+        });
+        let parts = parts.collect();
+        demands.log = Some(Log { offset: minutes(10), epoch: minutes(2_880), parts });
+        demands.longest_gap = demands.longest_gap.map(|it| LongestGap { price_per_day: 0.7, ..it });
+        if let Some(previous) = &mut demands.previous {
+            previous.price = 0.3;
+        }
+    }
+    Problem { demands, ..problem(candidates, 4) }
+}
+
+/// What a schedule is worth, from the words of the demands.
+fn worth(problem: &Problem, chosen: &[usize]) -> f64 {
+    let demands = &problem.demands;
+    let mut worth = match &demands.log {
+        None => chosen.iter().map(|&it| problem.value(it)).sum::<f64>(),
+        Some(log) => {
+            let mut cells: BTreeMap<(usize, usize, i64, u32), f64> = BTreeMap::new();
+            for &it in chosen {
+                let epoch = problem.reserved(it).0.tai_ns() / log.epoch.ns();
+                let of = &problem.candidates[it];
+                for &(bin, time) in &log.parts[it] {
+                    *cells.entry((of.target, of.telescope, epoch, bin)).or_default() +=
+                        time.seconds();
+                }
+            }
+            cells
+                .iter()
+                .map(|(key, t)| problem.weights[key.0] * (1.0 + t / log.offset.seconds()).ln())
+                .sum()
+        }
+    };
+    if let Some(gap) = demands.longest_gap {
+        // Candidates that can never stand leave a window without an opportunity.
+        let possible = |it: &usize| {
+            let mut alone = problem.clone();
+            alone.demands = Demands {
+                blackouts: demands.blackouts.clone(),
+                avoided: demands.avoided.clone(),
+                forbidden: demands.forbidden.clone(),
+                ..Demands::default()
+            };
+            problem.value(*it) > 0.0 && check(&alone, &[*it]).is_ok()
+        };
+        let open: Vec<usize> = (0..problem.candidates.len()).filter(possible).collect();
+        for telescope in 0..2 {
+            let mut from = problem.span.0;
+            while from.plus(gap.longest) <= problem.span.1 {
+                let inside = |it: &&usize| {
+                    let start = problem.reserved(**it).0;
+                    problem.candidates[**it].telescope == telescope
+                        && (from..from.plus(gap.longest)).contains(&start)
+                };
+                if open.iter().any(|it| inside(&it)) && !chosen.iter().any(|it| inside(&it)) {
+                    worth -= gap.price_per_day * gap.step().seconds() / 86_400.0;
+                }
+                from = from.plus(gap.step());
+            }
+        }
+    }
+    if let Some(previous) = &demands.previous {
+        let count = problem.candidates.len();
+        let changed =
+            (0..count).filter(|it| chosen.contains(it) != previous.sessions.contains(it)).count();
+        worth -= previous.price * f64::from(u32::try_from(changed).unwrap());
+    }
+    worth
+}
+
+#[test]
+fn small_problems_with_every_demand_agree_with_exhaustive_search() {
+    let mut random = SplitMix64(2_032);
+    let (mut infeasible, mut kinds) = (0, [0; 3]);
+    for round in 0..400 {
+        let problem = small(&mut random);
+        let count = problem.candidates.len();
+        let mut best: Option<f64> = None;
+        for set in 0_u32..1 << count {
+            let chosen: Vec<usize> = (0..count).filter(|it| set >> it & 1 == 1).collect();
+            if check(&problem, &chosen).is_ok() {
+                let worth = worth(&problem, &chosen);
+                best = Some(best.map_or(worth, |best| best.max(worth)));
+            }
+        }
+        kinds[0] += i32::from(problem.demands.log.is_some());
+        kinds[1] += i32::from(problem.demands.data.is_some());
+        match (schedule(&problem), best) {
+            (Ok(found), Some(best)) => {
+                assert_eq!(check(&problem, &found.chosen), Ok(()), "round {round}");
+                let own = worth(&problem, &found.chosen);
+                let close = 1e-6 * best.abs().max(1.0);
+                assert!((found.objective - own).abs() < close, "round {round}: {own}");
+                assert!(found.upper_bound >= best - close, "round {round}: bound too low");
+                assert!(found.objective >= best - close, "round {round}: {found:?} {best}");
+                assert_eq!(found.stopped, Stopped::Optimal, "round {round}");
+                assert!(found.gap.abs() < 1e-6, "round {round}: {}", found.gap);
+                let all = found.chosen.len() + found.rejected.len();
+                assert_eq!(all, count, "round {round}: a reason for each that is left out");
+            }
+            (Err(ScheduleError::Infeasible(conflict)), None) => {
+                infeasible += 1;
+                assert!(conflict.possible < conflict.wanted && !conflict.rules.is_empty());
+            }
+            (found, best) => panic!("round {round}: {found:?}, best {best:?}"),
+        }
+    }
+    assert!(infeasible > 20 && infeasible < 300, "{infeasible}");
+    assert!(kinds[0] > 50 && kinds[1] > 50, "{kinds:?}");
+}
+
+#[test]
+fn a_contradiction_is_named_with_the_least_change() {
+    // Two sessions a season are asked for; the blackout leaves one.
+    let candidates = vec![
+        candidate(0, 0, 100, 60),
+        candidate(0, 0, 600, 60),
+        candidate(0, 0, 1_700, 60),
+        candidate(1, 1, 300, 60),
+    ];
+    let mut problem = problem(candidates, 2);
+    problem.demands.blackouts = vec![(at(500), at(1_800))];
+    problem.demands.min_sessions = Some(SessionCount { count: 2, window: minutes(2_880) });
+    let Err(ScheduleError::Infeasible(conflict)) = schedule(&problem) else { panic!("feasible") };
+    assert_eq!(conflict.rules, [RuleName::MinSessions, RuleName::Blackouts]);
+    assert_eq!((conflict.wanted, conflict.possible), (2, 1));
+    assert_eq!(conflict.season, Some((0, 0, at(0))));
+    problem.demands.min_sessions = Some(SessionCount { count: 1, window: minutes(2_880) });
+    assert!(schedule(&problem).is_ok());
+    // Two that overlap cannot both be fixed.
+    problem.demands = Demands { fixed: vec![0, 3], ..Demands::default() };
+    assert!(schedule(&problem).is_ok());
+    problem.candidates[3] = candidate(1, 0, 120, 60);
+    let Err(ScheduleError::Infeasible(conflict)) = schedule(&problem) else { panic!("feasible") };
+    assert_eq!(conflict.rules, [RuleName::Exclusive, RuleName::Fixed]);
+    assert_eq!((conflict.wanted, conflict.possible), (2, 1));
+}
+
+#[test]
+fn an_earlier_plan_changes_as_little_as_its_price_says() {
+    let candidates: Vec<Candidate> = (0..40)
+        .map(|it| {
+            candidate(
+                it % 2,
+                it % 2,
+                20 + 140 * i64::try_from(it).unwrap(),
+                60 + i64::try_from(it).unwrap(),
+            )
+        })
+        .collect();
+    let mut problem = problem(candidates, 4);
+    problem.rules.max_sessions = Some(SessionCount { count: 2, window: minutes(1_440) });
+    let before: Vec<usize> = (0..3).map(|day| 10 * day).collect();
+    assert_eq!(check(&problem, &before), Ok(()));
+    let plan = |price: f64| {
+        let previous = Some(Previous { sessions: before.clone(), price });
+        let demands = Demands { previous, ..Demands::default() };
+        schedule(&Problem { demands, ..problem.clone() }).unwrap()
+    };
+    assert_eq!(plan(1e9).chosen, before);
+    assert_eq!(plan(1e9).changes, 0);
+    assert!(plan(0.0).changes > 0);
+}
+
+#[test]
+fn a_search_that_is_stopped_returns_the_best_so_far() {
+    let mut random = SplitMix64(5);
+    let candidates = (0..300).map(|_| {
+        let telescope = index(random.between(0, 2));
+        candidate(
+            index(random.between(0, 1)),
+            telescope,
+            random.between(20, 40_000),
+            random.between(30, 150),
+        )
+    });
+    let mut problem = problem(candidates.collect(), 30);
+    problem.demands.thermal = Some(Thermal { most: minutes(200), window: Duration::from_ns(DAY) });
+    let found = schedule_until(&problem, Some(&|| true)).unwrap();
+    assert_eq!(check(&problem, &found.chosen), Ok(()));
+    assert_eq!(found.stopped, Stopped::Interrupted);
+    assert!(found.objective > 0.0 && found.upper_bound.is_finite());
+    let whole = schedule(&problem).unwrap();
+    assert!(whole.objective >= found.objective && whole.objective <= found.upper_bound);
+    // Reserved time in windows that slide leaves much to the search: no small gap is claimed.
+    assert!(whole.gap < 0.2, "{}", whole.gap);
+}
