@@ -8,6 +8,7 @@ pub mod constraints;
 pub mod healpix;
 pub mod opportunity;
 pub mod visits;
+mod conic;
 pub mod program;
 pub mod schedule;
 pub mod survey;

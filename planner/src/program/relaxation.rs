@@ -1,4 +1,4 @@
-//! Prices and shares from the relaxation, solved by Clarabel. No other module sees that solver.
+//! Prices and shares from the relaxation, solved by `crate::conic`.
 //!
 //! Method: rows are scaled to a largest number of one, values to a largest of one; each value is
 //! raised by up to [`TIE`] of itself, by a fixed hash of its position, so that of equally good
@@ -13,10 +13,7 @@ use super::bound::{Prices, priced};
 use super::gain::UNIT;
 use super::number::{f64_from_i64, f64_from_i128, f64_from_usize};
 use super::{Choice, Gain, Program};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT,
-};
+use crate::conic::{Cone, Conic, Solution};
 
 /// Largest raise of a value, as a share of it.
 const TIE: f64 = 1e-7;
@@ -196,7 +193,7 @@ fn solve_over(program: &Program, inside: &[bool]) -> Option<Relaxed> {
         matrix.row(std::iter::once((column, -1.0)), least);
         matrix.row(std::iter::once((column, 1.0)), 1.0);
     }
-    let mut cones = vec![NonnegativeConeT(matrix.right.len())];
+    let mut cones = vec![Cone::Nonnegative(matrix.right.len())];
     for (index, cell) in program.cells.iter().enumerate() {
         let column = ids.len() + index;
         if let Gain::Log { offset, .. } = cell.gain {
@@ -208,10 +205,13 @@ fn solve_over(program: &Program, inside: &[bool]) -> Option<Relaxed> {
             let terms = terms.into_iter().map(|(at, w)| (at, -w / offset));
             let row = matrix.row(terms, 1.0 + f64_from_i64(cell.base) / offset);
             slope_of[index] = Some((row, offset));
-            cones.push(SupportedConeT::ExponentialConeT());
+            cones.push(Cone::Exponential);
         }
     }
-    let (dual, primal) = run(&matrix, &costs, &cones, if width > 3_000 { 1e-6 } else { 1e-8 })?;
+    let Matrix { columns, right: limits } = matrix;
+    let tolerance = if width > 3_000 { 1e-6 } else { 1e-8 };
+    let conic = Conic { columns, costs, limits, cones, tolerance, iterations: ITERATIONS };
+    let Solution { primal, dual } = conic.solve()?;
     let rows = row_of.iter().map(|it| it.map_or(0.0, |(row, size)| dual[row] * unit / size));
     let slopes = slope_of.iter().map(|it| it.map_or(0.0, |(row, size)| dual[row] * unit / size));
     let prices = Prices::new(program, rows, slopes);
@@ -220,36 +220,4 @@ fn solve_over(program: &Program, inside: &[bool]) -> Option<Relaxed> {
         shares[id] = share.clamp(0.0, 1.0);
     }
     Some(Relaxed { prices, shares })
-}
-
-/// Dual and primal solution.
-fn run(
-    matrix: &Matrix,
-    costs: &[f64],
-    cones: &[SupportedConeT<f64>],
-    tolerance: f64,
-) -> Option<(Vec<f64>, Vec<f64>)> {
-    let (mut starts, mut row_of, mut coefficients) = (vec![0], Vec::new(), Vec::new());
-    for entries in &matrix.columns {
-        row_of.extend(entries.iter().map(|entry| entry.0));
-        coefficients.extend(entries.iter().map(|entry| entry.1));
-        starts.push(row_of.len());
-    }
-    let (height, width) = (matrix.right.len(), costs.len());
-    let table = CscMatrix::new(height, width, starts, row_of, coefficients);
-    let settings = DefaultSettingsBuilder::default()
-        .verbose(false)
-        .tol_gap_rel(tolerance)
-        .tol_gap_abs(tolerance)
-        .tol_feas(tolerance)
-        .max_iter(ITERATIONS)
-        .build()
-        .ok()?;
-    let squares = CscMatrix::zeros((width, width));
-    let mut solver =
-        DefaultSolver::new(&squares, costs, &table, &matrix.right, cones, settings).ok()?;
-    solver.solve();
-    let solution = &solver.solution;
-    let usable = matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-    usable.then(|| (solution.z.clone(), solution.x.clone()))
 }

@@ -1,4 +1,4 @@
-//! Prices from the linear relaxation, solved by Clarabel. No other module sees the solver.
+//! Prices from the linear relaxation, solved by `crate::conic`.
 //!
 //! Method: maximise `w . x` over `0 <= x <= 1` under one row per maximal clique of overlapping
 //! reserved intervals on a lane, one per day with a limit, and one per sliding window, windows at
@@ -15,11 +15,8 @@
 use super::bound::priced;
 use super::model::Model;
 use super::price::{Ladder, Prices};
+use crate::conic::{Cone, Conic, Solution};
 use crate::program::number::{f64_from_i64, f64_from_i128, i64_from_usize};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
-};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -311,38 +308,19 @@ fn solve_over(model: &Model, ids: &[usize]) -> Option<(Prices, Vec<f64>)> {
         columns.push(entries);
     }
     columns.extend(rows.of_marks(model));
-    let (mut starts, mut row_of, mut coefficients) = (vec![0], Vec::new(), Vec::new());
-    for entries in &columns {
-        row_of.extend(entries.iter().map(|entry| entry.0));
-        coefficients.extend(entries.iter().map(|entry| entry.1));
-        starts.push(row_of.len());
-    }
     let (height, width) =
         (rows.count + if capped { 2 * sessions } else { sessions }, columns.len());
     let equalities = rows.marks.len().saturating_sub(1);
     let mut limits = vec![1.0; height];
     limits[..equalities].fill(0.0);
     limits[rows.count..rows.count + sessions].fill(0.0);
-    let matrix = CscMatrix::new(height, width, starts, row_of, coefficients);
     let mut costs: Vec<f64> =
         ids.iter().map(|&id| -f64_from_i64(model.sessions[id].value) / UNIT).collect();
     costs.resize(width, 0.0);
     let tolerance = if model.day_limit.is_some() { TOLERANCE.0 } else { TOLERANCE.1 };
-    let settings = DefaultSettingsBuilder::default()
-        .verbose(false)
-        .tol_gap_rel(tolerance)
-        .tol_gap_abs(tolerance)
-        .tol_feas(tolerance)
-        .max_iter(ITERATIONS)
-        .build()
-        .ok()?;
-    let cones = [ZeroConeT(equalities), NonnegativeConeT(height - equalities)];
-    let squares = CscMatrix::zeros((width, width));
-    let mut solver =
-        DefaultSolver::new(&squares, &costs, &matrix, &limits, &cones, settings).ok()?;
-    solver.solve();
-    let solution = &solver.solution;
-    let usable = matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-    let shares = solution.x.iter().take(sessions).copied().collect();
-    usable.then(|| (rows.prices(model, &solution.z), shares))
+    let cones = vec![Cone::Zero(equalities), Cone::Nonnegative(height - equalities)];
+    let conic = Conic { columns, costs, limits, cones, tolerance, iterations: ITERATIONS };
+    let Solution { primal, dual } = conic.solve()?;
+    let shares = primal.into_iter().take(sessions).collect();
+    Some((rows.prices(model, &dual), shares))
 }
