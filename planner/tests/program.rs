@@ -149,7 +149,9 @@ fn intervals_alone_are_solved_exactly() {
 #[test]
 #[ignore = "writes files for the oracle: GYRFALCON_PROGRAMS names the folder"]
 fn write_programmes() {
-    let folder = std::path::PathBuf::from(std::env::var("GYRFALCON_PROGRAMS").unwrap());
+    let Some(folder) = std::env::var_os("GYRFALCON_PROGRAMS").map(std::path::PathBuf::from) else {
+        return;
+    };
     for (name, shape, seed) in stored() {
         let program = instance(&shape, seed).program;
         let mut text = String::new();
