@@ -482,7 +482,7 @@ fn twenty_days_agree_with_an_independent_solver() {
     hold(&problem, &found);
     assert!(found.upper_bound >= HIGHS_OPTIMUM_20_DAYS * (1.0 - 1e-6));
     assert!(found.objective <= HIGHS_OPTIMUM_20_DAYS * (1.0 + 1e-6));
-    assert!(found.gap < 1e-6, "gap {}", found.gap);
+    assert!(found.gap < 1e-6, "gap {} {} {}", found.gap, found.objective, found.upper_bound);
 }
 
 #[test]

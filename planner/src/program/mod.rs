@@ -30,6 +30,7 @@ mod exchange;
 pub use gain::Gain;
 
 use bound::Prices;
+pub(crate) use relaxation::Relaxed;
 use state::{Index, State};
 use thiserror::Error;
 
@@ -300,12 +301,28 @@ impl Program {
     }
 }
 
+/// The relaxation of a programme, to be handed on to [`solve_from`]; `None` where there is none.
+pub(crate) fn relax(program: &Program) -> Option<Relaxed> {
+    program.validate().ok()?;
+    relaxation::solve(program, &vec![0.0; program.values.len()])
+}
+
 /// Searches for the best set.
 ///
 /// # Errors
 /// [`ProgramError`] where the programme is not one, or what must be taken cannot be.
-#[expect(clippy::too_many_lines, reason = "the steps of the search, one after the other")]
 pub fn solve(program: &Program, limits: &Limits, aids: &Aids<'_>) -> Result<Outcome, ProgramError> {
+    solve_from(program, limits, aids, None)
+}
+
+/// As [`solve`], the relaxation solved before where it is given.
+#[expect(clippy::too_many_lines, reason = "the steps of the search, one after the other")]
+pub(crate) fn solve_from(
+    program: &Program,
+    limits: &Limits,
+    aids: &Aids<'_>,
+    mut relaxed: Option<Relaxed>,
+) -> Result<Outcome, ProgramError> {
     program.validate()?;
     let own_rows = program.rows.len();
     let mut grown = program.clone();
@@ -335,7 +352,8 @@ pub fn solve(program: &Program, limits: &Limits, aids: &Aids<'_>) -> Result<Outc
             halted = true;
             break;
         }
-        let Some(relaxed) = relaxation::solve(program, &shares) else { break };
+        let ready = relaxed.take();
+        let Some(relaxed) = ready.or_else(|| relaxation::solve(program, &shares)) else { break };
         let found = bound::priced(program, &relaxed.prices);
         let gained = bound - found.bound;
         if found.bound <= bound {

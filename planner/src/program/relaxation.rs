@@ -24,13 +24,13 @@ const FIRST: (usize, usize) = (48, 12);
 /// Most rounds of adding choices.
 const ROUNDS: usize = 6;
 /// Choices left out may raise the bound by this share.
-const LEFT_OUT: f64 = 2e-4;
+const LEFT_OUT: f64 = 5e-3;
 /// Most iterations of the solver.
 const ITERATIONS: u32 = 200;
 
 /// Prices, and the share of each choice.
-#[derive(Debug)]
-pub(super) struct Relaxed {
+#[derive(Debug, Clone)]
+pub(crate) struct Relaxed {
     pub(super) prices: Prices,
     pub(super) shares: Vec<f64>,
 }

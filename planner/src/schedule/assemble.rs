@@ -7,7 +7,7 @@
 //! (`split.rs`), which already holds back what a session owes to later cells; alike states are kept
 //! once. [`splice`] uses the patterns of given schedules only, and so looks for the best mixture.
 //!
-//! Limits: the beam keeps [`STATES`] states, at most [`ALIKE`] with the same sessions reaching on.
+//! Limits: the beam keeps [`STATES`] states, or [`MIXED`] in splicing.
 
 use super::draft::Draft;
 use super::model::Model;
@@ -16,10 +16,10 @@ use super::split::Split;
 use crate::program::number::i64_from_f64;
 use rayon::prelude::*;
 
-/// Most states kept.
-const STATES: usize = 64;
-/// Most states kept with the same sessions reaching on.
-const ALIKE: usize = 4;
+/// Most states kept in assembling, and of them with the same sessions reaching on.
+const STATES: (usize, usize) = (64, 4);
+/// The same in splicing, where a state has few ways on.
+const MIXED: (usize, usize) = (1_024, 64);
 /// Work of one search, and sets taken from it.
 const EFFORT: Effort = Effort { nodes: 1500, sets: 12 };
 /// Sets that are worse than a pattern by this share of a typical value are still of use.
@@ -49,7 +49,7 @@ pub(super) fn assemble<'a>(
     scale: f64,
 ) -> Draft<'a> {
     let margin = i64_from_f64(MARGIN * scale);
-    beam(split.model, |cell, state| {
+    beam(split.model, STATES, |cell, state| {
         let mut next: Vec<State> =
             patterns[cell].iter().map(|pattern| state.extended(split, cell, pattern)).collect();
         next.push(state.extended(split, cell, &[]));
@@ -62,7 +62,7 @@ pub(super) fn assemble<'a>(
 }
 
 /// The best mixture of schedules that the beam finds.
-pub(super) fn splice<'a>(split: &Split<'a>, drafts: &[&Draft<'_>]) -> Draft<'a> {
+pub(super) fn splice<'a>(split: &Split<'a>, drafts: &[Draft<'_>]) -> Draft<'a> {
     let model = split.model;
     let mut patterns = vec![vec![Vec::new(); drafts.len()]; model.cell_count()];
     for (index, draft) in drafts.iter().enumerate() {
@@ -70,13 +70,17 @@ pub(super) fn splice<'a>(split: &Split<'a>, drafts: &[&Draft<'_>]) -> Draft<'a> 
             patterns[split.parts(id)[0].cell][index].push(id);
         }
     }
-    beam(model, |cell, state| {
+    beam(model, MIXED, |cell, state| {
         patterns[cell].iter().map(|pattern| state.extended(split, cell, pattern)).collect()
     })
 }
 
 /// The schedule of the state that earned most, states extended cell by cell.
-fn beam(model: &Model, extend: impl Fn(usize, &State) -> Vec<State> + Sync) -> Draft<'_> {
+fn beam(
+    model: &Model,
+    most: (usize, usize),
+    extend: impl Fn(usize, &State) -> Vec<State> + Sync,
+) -> Draft<'_> {
     let mut layers = vec![vec![State::default()]];
     for cell in 0..model.cell_count() {
         let layer = layers.last().map_or(&[][..], Vec::as_slice);
@@ -89,7 +93,7 @@ fn beam(model: &Model, extend: impl Fn(usize, &State) -> Vec<State> + Sync) -> D
             })
             .collect();
         next.sort_by(|a, b| b.earned.cmp(&a.earned).then_with(|| a.added.cmp(&b.added)));
-        layers.push(thin(next));
+        layers.push(thin(next, most));
     }
     let mut draft = Draft::new(model);
     let mut at = 0;
@@ -104,14 +108,14 @@ fn beam(model: &Model, extend: impl Fn(usize, &State) -> Vec<State> + Sync) -> D
 }
 
 /// The states to keep, of states in order.
-fn thin(states: Vec<State>) -> Vec<State> {
-    let mut kept: Vec<State> = Vec::with_capacity(STATES);
+fn thin(states: Vec<State>, most: (usize, usize)) -> Vec<State> {
+    let mut kept: Vec<State> = Vec::with_capacity(most.0);
     for state in states {
-        if kept.len() == STATES {
+        if kept.len() == most.0 {
             break;
         }
         let alike = || kept.iter().filter(|it| it.reaching == state.reaching);
-        if alike().count() < ALIKE && alike().all(|it| it.starts != state.starts) {
+        if alike().count() < most.1 && alike().all(|it| it.starts != state.starts) {
             kept.push(state);
         }
     }

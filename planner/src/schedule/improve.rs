@@ -4,7 +4,7 @@
 //! per reserved time, then by position: ties fall the same way every time. [`improve`] slides a span
 //! of one and a half cells over the mission by a quarter of a cell; all sessions that start inside are
 //! taken out, and the best set given all that stands outside, found by exact search, is put in.
-//! Passes repeat until one changes nothing.
+//! Passes repeat until one changes nothing; only spans that a change can be felt in are searched again.
 //!
 //! Limits: at most the given number of passes, and [`NODES`] nodes per search.
 
@@ -16,6 +16,7 @@ use super::search::{Effort, Item, Region, search};
 use crate::program::number::{f64_from_i64, i64_from_f64, i64_from_usize};
 use rayon::prelude::*;
 use std::cmp::Reverse;
+use std::collections::BTreeSet;
 
 /// Most nodes of one search.
 const NODES: usize = 2_000;
@@ -103,22 +104,74 @@ pub(super) fn improve(
     let (Some(&first), Some(&last)) = (model.cells.first(), model.cells.last()) else {
         return true;
     };
-    let cells = i64_from_usize(model.cell_count().max(1));
-    let slide = (last.saturating_sub(first) / cells / SLIDES).max(1);
+    let mut spans = Spans::new(model, first, last);
     for _ in 0..passes {
         let mut changed = false;
-        let mut from = first.saturating_sub(slide * (SPAN - 1));
-        while from < last {
-            changed |= exchange(draft, model, priced, (from, from.saturating_add(slide * SPAN)));
-            from = from.saturating_add(slide);
+        for place in 0..spans.stale.len() {
+            if std::mem::take(&mut spans.stale[place]) {
+                let span = spans.span(place);
+                if exchange(draft, model, priced, span) {
+                    spans.touch(span.0, span.1);
+                    changed = true;
+                }
+            }
         }
+        let before: BTreeSet<usize> = draft.chosen().collect();
         changed |= swap(draft, model);
         fill_up(draft, model, |_| 0);
         if !changed {
             return true;
         }
+        for &id in &before {
+            if !draft.stands(id) {
+                spans.touch(model.sessions[id].start, model.sessions[id].start);
+            }
+        }
+        for id in draft.chosen().filter(|id| !before.contains(id)) {
+            spans.touch(model.sessions[id].start, model.sessions[id].start);
+        }
     }
     false
+}
+
+/// The spans of a pass, and which of them may have something new to find.
+#[derive(Debug)]
+struct Spans {
+    /// Start of the first span.
+    first: i64,
+    /// Time from one span to the next.
+    slide: i64,
+    /// How far a change is felt, in slides.
+    reach: i64,
+    stale: Vec<bool>,
+}
+
+impl Spans {
+    fn new(model: &Model, first: i64, last: i64) -> Self {
+        let cells = i64_from_usize(model.cell_count().max(1));
+        let slide = (last.saturating_sub(first) / cells / SLIDES).max(1);
+        let first = first.saturating_sub(slide * (SPAN - 1));
+        let felt = model.count.map_or(0, |(_, window)| window).max(model.longest);
+        let felt = felt.max(if model.day_limit.is_some() { 2 * SLIDES * slide } else { 0 });
+        let spans = usize::try_from((last - first + slide - 1) / slide).unwrap_or(0);
+        Self { first, slide, reach: felt / slide + 1 + SPAN, stale: vec![true; spans] }
+    }
+
+    fn span(&self, place: usize) -> (i64, i64) {
+        let from = self.first.saturating_add(self.slide.saturating_mul(i64_from_usize(place)));
+        (from, from.saturating_add(self.slide * SPAN))
+    }
+
+    /// Something changed among the sessions that start in `[from, until]`.
+    fn touch(&mut self, from: i64, until: i64) {
+        let place = |at: i64| (at - self.first) / self.slide;
+        let from = usize::try_from(place(from) - self.reach).unwrap_or(0);
+        let until = usize::try_from(place(until) + self.reach).unwrap_or(0);
+        let until = until.saturating_add(1).min(self.stale.len());
+        if let Some(stale) = self.stale.get_mut(from..until) {
+            stale.fill(true);
+        }
+    }
 }
 
 /// Takes in every session that is worth more than what stands in its way; false where none is.

@@ -24,6 +24,7 @@ mod relaxation;
 mod fill;
 mod search;
 mod split;
+mod descent;
 mod draft;
 mod assemble;
 mod improve;
@@ -46,6 +47,7 @@ use draft::Draft;
 use improve::Priced;
 use model::Model;
 use onboard_core::time::{Duration, Instant};
+use rayon::prelude::*;
 use relaxation::Relaxed;
 use std::fmt;
 use thiserror::Error;
@@ -56,7 +58,7 @@ pub const MAX_CANDIDATES: usize = 1 << 21;
 /// A schedule within one part in this many of the bound is good enough.
 const CLOSE: i128 = 100_000;
 /// Most passes of exchanges over the schedule that was rounded, assembled, and mixed of both.
-const PASSES: (usize, usize, usize) = (3, 3, 6);
+const PASSES: (usize, usize, usize) = (1, 2, 6);
 
 /// One opportunity, as far as scheduling is concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -392,15 +394,25 @@ fn best<'a>(model: &'a Model, relaxed: &Relaxed) -> (Draft<'a>, i128, Stopped) {
     if let Some(stopped) = close(&rounded, bound) {
         return (rounded, bound, stopped);
     }
-    let mut assembled = assemble::assemble(&sharpened.split, &sharpened.patterns, scale);
-    improve::improve(&mut assembled, model, &reduced, PASSES.1);
-    let mut draft = assemble::splice(&sharpened.split, &[&assembled, &rounded]);
-    let settled = improve::improve(&mut draft, model, &reduced, PASSES.2);
-    for other in [assembled, rounded] {
-        if other.value() > draft.value() {
-            draft = other;
-        }
-    }
+    let mut drafts: Vec<Draft<'a>> = sharpened
+        .splits
+        .par_iter()
+        .map(|split| {
+            let mut draft = assemble::assemble(split, &sharpened.patterns, scale);
+            improve::improve(&mut draft, model, &reduced, PASSES.1);
+            draft
+        })
+        .collect();
+    drafts.push(rounded);
+    let settled = sharpened.splits.last().is_some_and(|split| {
+        let mut mixed = assemble::splice(split, &drafts);
+        let settled = improve::improve(&mut mixed, model, &reduced, PASSES.2);
+        drafts.insert(0, mixed);
+        settled
+    });
+    // The first of equals.
+    let draft =
+        drafts.into_iter().rev().max_by_key(Draft::value).unwrap_or_else(|| Draft::new(model));
     let stopped = match (relaxed.solved, settled) {
         (false, _) => Stopped::NoRelaxation,
         (true, true) => Stopped::LocalOptimum,

@@ -8,34 +8,31 @@
 //!
 //! Method: the amounts start at what the session pays for its time in the cell, which makes the
 //! bound at most the one of `bound.rs`. Then every amount is moved so that both ends of a session
-//! agree on taking it, and every window's price so that its starts meet the limit: a subgradient
-//! method with a step per amount that grows while the sign stays and halves when it turns (Riedmiller
-//! and Braun 1993, Rprop). Only cells whose amounts changed are searched again. Amounts are integers,
-//! so rounding does not enter.
+//! agree on taking it, and every window's price so that its starts meet the limit (`descent.rs`).
+//! Only cells whose amounts changed are searched again. Amounts are integers, so rounding does not
+//! enter.
 //!
-//! Limits: [`ROUNDS`] rounds, fewer for more than three years of days; a cell's search is cut at [`NODES`] nodes and then bounded by what it
-//! did not visit.
+//! Limits: [`ROUNDS`] rounds, fewer for more than three years of days; a cell's search is cut at
+//! [`NODES`] nodes and then bounded by what it did not visit.
 
 use super::bound::{cell_worth, windows_worth};
+use super::descent::Descent;
 use super::model::Model;
-use super::price::{Ladder, Prices};
+use super::price::Prices;
 use super::search::{Effort, Found, Item, Region, search};
-use crate::program::number::{f64_from_i64, i64_from_f64, i64_from_usize};
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
 /// Most rounds.
-const ROUNDS: usize = 100;
+const ROUNDS: usize = 600;
 /// Cells times rounds are at most this, so that long missions take seconds.
-const SEARCHES: usize = 120_000;
+const SEARCHES: usize = 160_000;
+/// Splits kept from rounds so far apart, back from the last, and their number.
+const KEPT: (usize, usize) = (15, 4);
 /// Rounds that even the longest mission gets.
 const FEWEST_ROUNDS: usize = 4;
 /// Most nodes of one cell's search.
 const NODES: usize = 4_000;
-/// First step of an amount, and of a window's price, over the mean value of a relaxed session.
-const FIRST_STEP: (f64, f64) = (0.12, 0.012);
-/// A step grows by this factor while its sign stays, and shrinks by the other when it turns.
-const STEP_FACTORS: (f64, f64) = (1.3, 0.5);
 
 /// A session in one of its cells.
 #[derive(Debug, Clone, Copy)]
@@ -50,13 +47,13 @@ pub(super) struct Part {
 }
 
 /// All sessions split by cells.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Split<'a> {
     pub(super) model: &'a Model,
-    prices: Prices,
+    pub(super) prices: Prices,
     /// `parts[first[id]..first[id + 1]]` belong to session id, the cell it starts in first.
-    first: Vec<usize>,
-    parts: Vec<Part>,
+    pub(super) first: Vec<usize>,
+    pub(super) parts: Vec<Part>,
     /// Sessions that touch each cell, and the index of their part there.
     touching: Vec<Vec<(usize, usize)>>,
 }
@@ -64,7 +61,8 @@ pub(super) struct Split<'a> {
 /// A bound, and the sets of sessions that cells found best on the way.
 #[derive(Debug)]
 pub(super) struct Sharpened<'a> {
-    pub(super) split: Split<'a>,
+    /// Splits by good amounts, the last one last; at least one.
+    pub(super) splits: Vec<Split<'a>>,
     /// No schedule is worth more, in units.
     pub(super) bound: i128,
     /// Per cell, different sets of sessions that start in it, the most valuable session first.
@@ -73,9 +71,9 @@ pub(super) struct Sharpened<'a> {
 
 /// The best set of one cell.
 #[derive(Debug, Clone, Default)]
-struct Best {
+pub(super) struct Best {
     bound: i64,
-    ids: Vec<usize>,
+    pub(super) ids: Vec<usize>,
 }
 
 impl<'a> Split<'a> {
@@ -102,7 +100,7 @@ impl<'a> Split<'a> {
     }
 
     /// Sets what each session earns where it starts, and marks the cells where that changes.
-    fn settle(&mut self, changed: &mut [bool]) {
+    pub(super) fn settle(&mut self, changed: &mut [bool]) {
         for (id, session) in self.model.sessions.iter().enumerate() {
             let parts = &mut self.parts[self.first[id]..self.first[id + 1]];
             let Some((start, rest)) = parts.split_first_mut() else { continue };
@@ -167,10 +165,11 @@ pub(super) fn sharpen<'a>(
     let mut changed = vec![true; cells];
     let mut bests = vec![Best::default(); cells];
     let mut patterns: Vec<Vec<Vec<usize>>> = vec![Vec::new(); cells];
-    let mut steps = Steps::new(&split, scale);
+    let mut descent = Descent::new(&split, scale);
+    let mut splits = Vec::new();
     let mut bound = i128::MAX;
     let rounds = ROUNDS.min(SEARCHES / model.cell_count().max(1)).max(FEWEST_ROUNDS);
-    for _ in 0..rounds {
+    for round in 1..=rounds {
         bests = (0..cells)
             .into_par_iter()
             .map(|cell| {
@@ -180,7 +179,8 @@ pub(super) fn sharpen<'a>(
             .collect();
         changed.fill(false);
         let sum: i128 = bests.iter().map(|best| i128::from(best.bound)).sum();
-        bound = bound.min(sum + windows_worth(model, &split.prices));
+        let here = sum + windows_worth(model, &split.prices);
+        bound = bound.min(here);
         for (cell, best) in bests.iter().enumerate() {
             let starts_here = |id: &usize| split.parts(*id)[0].cell == cell;
             let mut pattern: Vec<usize> = best.ids.iter().copied().filter(starts_here).collect();
@@ -189,102 +189,17 @@ pub(super) fn sharpen<'a>(
                 patterns[cell].push(pattern);
             }
         }
+        let left = rounds - round;
+        if left.is_multiple_of(KEPT.0) && left / KEPT.0 < KEPT.1 {
+            splits.push(split.clone());
+        }
         if bound <= enough {
             break;
         }
-        steps.take(&mut split, &bests, &mut changed);
+        descent.step(&mut split, &bests, here, &mut changed);
     }
-    Sharpened { split, bound, patterns }
-}
-
-/// How one number is moved.
-#[derive(Debug, Clone, Copy)]
-struct Step {
-    size: f64,
-    /// Sign of the move before, 0 at first.
-    sign: f64,
-}
-
-impl Step {
-    /// The move along a slope that is not zero.
-    fn along(&mut self, slope: f64) -> f64 {
-        let sign = slope.signum();
-        if self.sign * sign > 0.0 {
-            self.size *= STEP_FACTORS.0;
-        } else if self.sign * sign < 0.0 {
-            self.size *= STEP_FACTORS.1;
-        }
-        self.sign = sign;
-        self.size * slope
+    if splits.is_empty() {
+        splits.push(split);
     }
-}
-
-#[derive(Debug)]
-struct Steps {
-    /// Per part; that of a session's first part is not used.
-    parts: Vec<Step>,
-    /// First instant, price and step of each priced window.
-    windows: Vec<(i64, f64, Step)>,
-    /// Largest step of a window whose price is zero.
-    idle: f64,
-}
-
-impl Steps {
-    fn new(split: &Split<'_>, scale: f64) -> Self {
-        let idle = FIRST_STEP.1 * scale;
-        let part = Step { size: FIRST_STEP.0 * scale, sign: 0.0 };
-        let windows = split.prices.windows.points();
-        Self {
-            parts: vec![part; split.parts.len()],
-            windows: windows
-                .map(|(at, price)| (at, f64_from_i64(price), Step { size: idle, sign: 0.0 }))
-                .collect(),
-            idle,
-        }
-    }
-
-    /// Moves amounts and prices towards agreement, and marks the cells where something changed.
-    fn take(&mut self, split: &mut Split<'_>, bests: &[Best], changed: &mut [bool]) {
-        let model = split.model;
-        let mut taken = vec![false; split.parts.len()];
-        for (cell, best) in bests.iter().enumerate() {
-            for &id in &best.ids {
-                let parts = split.first[id]..split.first[id + 1];
-                for part in parts.filter(|&part| split.parts[part].cell == cell) {
-                    taken[part] = true;
-                }
-            }
-        }
-        let mut starts = Vec::new();
-        for (id, session) in model.sessions.iter().enumerate() {
-            let start = split.first[id];
-            if taken[start] {
-                starts.push(session.start);
-            }
-            for part in start + 1..split.first[id + 1] {
-                if taken[part] != taken[start] {
-                    let slope = if taken[start] { 1.0 } else { -1.0 };
-                    let moved = i64_from_f64(self.parts[part].along(slope));
-                    split.parts[part].earns += moved;
-                    changed[split.parts[part].cell] = true;
-                }
-            }
-        }
-        if let Some((count, window)) = model.count {
-            for (at, price, step) in &mut self.windows {
-                let until = at.saturating_add(window);
-                let inside = starts.partition_point(|start| *start < until)
-                    - starts.partition_point(|start| start < at);
-                let over = i64_from_usize(inside) - i64_from_usize(count);
-                if over > 0 || (over < 0 && *price > 0.0) {
-                    *price = (*price + step.along(f64_from_i64(over))).max(0.0);
-                }
-                if *price <= 0.0 {
-                    step.size = step.size.min(self.idle);
-                }
-            }
-            split.prices.windows = Ladder::new(self.windows.iter().map(|it| (it.0, it.1)));
-        }
-        split.settle(changed);
-    }
+    Sharpened { splits, bound, patterns }
 }

@@ -17,7 +17,7 @@ use super::relaxation::{self, Relaxed};
 use super::rows::{Built, Facts, build, cone_members};
 use super::{Problem, Schedule, ScheduleError, Stopped, best, check};
 use crate::program::number::{f64_from_i128, f64_from_usize};
-use crate::program::{Aids, Ended, Family, Limits, Outcome, solve};
+use crate::program::{Aids, Ended, Family, Limits, Outcome, relax, solve_from};
 use onboard_core::time::Duration;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,7 +25,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const FEW: usize = 60;
 /// Limits of the programme beside the day by day search.
 const BESIDE: Limits =
-    Limits { nodes: 20_000, work: 4_000_000_000, cut_rounds: 4, passes: 1, exchange_nodes: 60 };
+    Limits { nodes: 20_000, work: 8_000_000_000, cut_rounds: 4, passes: 1, exchange_nodes: 60 };
 /// The same above so many sessions, where it hardly does more than exchange.
 const MANY: usize = 6_000;
 const FEWER: Limits = Limits { cut_rounds: 0, exchange_nodes: 30, ..BESIDE };
@@ -42,7 +42,11 @@ pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sc
     let relaxed = relaxation::solve(&model);
     let linear = demands.log.is_none();
     let day_by_day = linear && model.sessions.len() > FEW;
-    let days = day_by_day.then(|| Days::new(problem, &model, &relaxed));
+    // Clarabel works alone meanwhile.
+    let (days, ready) = rayon::join(
+        || day_by_day.then(|| Days::new(problem, &model, &relaxed)),
+        || if model.sessions.len() > MANY { relax(&built.program) } else { None },
+    );
     let id_of: BTreeMap<usize, usize> =
         model.sessions.iter().enumerate().map(|(id, it)| (it.candidate, id)).collect();
     let mut start: Vec<usize> = Vec::new();
@@ -64,7 +68,7 @@ pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sc
     let known = days.as_ref().and_then(|it| it.units).map(|bound| bound + built.offset);
     let attempt = |start: &[usize]| {
         let aids = Aids { families: &families, start, stop, bound: known };
-        solve(&built.program, &limits, &aids)
+        solve_from(&built.program, &limits, &aids, ready.clone())
     };
     let lacking = demands.fixed.iter().any(|it| !id_of.contains_key(it));
     let mut found = if lacking { None } else { attempt(&start).ok() };
