@@ -35,8 +35,9 @@ pub struct Occasion {
 /// # Errors
 /// A sentence that says which event cannot be used and what would be legal.
 pub fn read(text: &str) -> Result<Vec<Occasion>, String> {
-    let no_calendar =
-        || "it is no iCalendar file: BEGIN:VCALENDAR, events and END:VCALENDAR are needed".to_owned();
+    let no_calendar = || {
+        "it is no iCalendar file: BEGIN:VCALENDAR, events and END:VCALENDAR are needed".to_owned()
+    };
     let begins = text.trim_start_matches('\u{feff}').trim_start();
     if !begins.get(..15).is_some_and(|it| it.eq_ignore_ascii_case("BEGIN:VCALENDAR")) {
         return Err(no_calendar());
@@ -84,8 +85,10 @@ fn occasion(event: &Parsed<'_>) -> Result<Option<Occasion>, String> {
     if let Some(key) =
         ["RRULE", "RDATE", "RECURRENCE-ID", "DURATION"].iter().find(|key| value(key).is_some())
     {
-        return Err(format!("{name} has {key}, which is not taken: one event each with DTSTART and \
-                            DTEND is needed"));
+        return Err(format!(
+            "{name} has {key}, which is not taken: one event each with DTSTART and \
+                            DTEND is needed"
+        ));
     }
     let time = |key: &str| {
         let property = event.find_prop(key);
@@ -127,9 +130,7 @@ fn moment(property: &Property<'_>) -> Result<Instant, String> {
 }
 
 /// The time of day in `YYYYMMDDTHHMMSS`.
-fn clock<'t>(
-    digits: &impl Fn(usize, usize) -> Result<&'t str, String>,
-) -> Result<String, String> {
+fn clock<'t>(digits: &impl Fn(usize, usize) -> Result<&'t str, String>) -> Result<String, String> {
     Ok(format!("{}:{}:{}", digits(9, 11)?, digits(11, 13)?, digits(13, 15)?))
 }
 

@@ -119,14 +119,13 @@ impl File {
         let mut group = self.writer.next_row_group().map_err(internal)?;
         for (index, kind) in self.kinds.iter().enumerate() {
             let cells = rows.iter().filter_map(|row| row.get(index));
-            column(&mut group, *kind, cells)
-                .map_err(|error| match error {
-                    ColumnError::Parquet(error) => internal(error),
-                    ColumnError::Cell(cell) => WriteError::Failed(Failure::internal(format!(
-                        "column {} takes no {cell:?}",
-                        self.names[index]
-                    ))),
-                })?;
+            column(&mut group, *kind, cells).map_err(|error| match error {
+                ColumnError::Parquet(error) => internal(error),
+                ColumnError::Cell(cell) => WriteError::Failed(Failure::internal(format!(
+                    "column {} takes no {cell:?}",
+                    self.names[index]
+                ))),
+            })?;
         }
         group.close().map_err(internal)?;
         Ok(())
@@ -154,9 +153,8 @@ fn kind<'c>(name: &str, mut cells: impl Iterator<Item = &'c Cell>) -> Kind {
 }
 
 fn schema(names: &[String], kinds: &[Kind]) -> Result<TypePtr, ParquetError> {
-    let timestamp = |is_adjusted_to_u_t_c| {
-        Some(LogicalType::timestamp(is_adjusted_to_u_t_c, TimeUnit::NANOS))
-    };
+    let timestamp =
+        |is_adjusted_to_u_t_c| Some(LogicalType::timestamp(is_adjusted_to_u_t_c, TimeUnit::NANOS));
     let fields = names.iter().zip(kinds).map(|(name, kind)| {
         let (physical, logical) = match kind {
             Kind::Number => (PhysicalType::DOUBLE, None),

@@ -307,7 +307,6 @@ pub fn blackouts(world: &World) -> Result<Vec<Blackout>, Failure> {
 fn events(path: &std::path::Path) -> Result<Vec<Blackout>, Failure> {
     let events = calendar::read(&text_of(path)?)
         .map_err(|what| Failure::Input(format!("{}: {what}", path.display())))?;
-    let blackout =
-        |it: Occasion| Blackout { from: it.from, until: it.until, reason: it.summary };
+    let blackout = |it: Occasion| Blackout { from: it.from, until: it.until, reason: it.summary };
     Ok(events.into_iter().map(blackout).collect())
 }

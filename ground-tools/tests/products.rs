@@ -318,7 +318,8 @@ fn pointing_periods_cut_the_mission_without_gaps() {
     let end = number(&periods[periods.len() - 1], "end_tai_ns");
     assert_eq!(end, PLAN.start_ns() + 86_400_000_000_000);
     let joined = |pair: &[BTreeMap<String, String>]| {
-        pair[0]["end_tai_ns"] == pair[1]["start_tai_ns"] && pair[0]["sessions"] != pair[1]["sessions"]
+        pair[0]["end_tai_ns"] == pair[1]["start_tai_ns"]
+            && pair[0]["sessions"] != pair[1]["sessions"]
     };
     assert!(periods.windows(2).all(joined));
     for period in &periods {
@@ -409,7 +410,10 @@ fn what_is_not_legal_is_named() {
         (&["--also", "aem,stk"], "possible values: parquet, aem-xml, ppl, stk, ck, all"),
         (&["--naif-id", "7"], "-2000000"),
         (&["--aem-span", "some"], "possible values: sessions, all"),
-        (&["--also", "ck", "--set", "calibration.targets=neptune", "--duration", "1h"], "no session"),
+        (
+            &["--also", "ck", "--set", "calibration.targets=neptune", "--duration", "1h"],
+            "no session",
+        ),
     ] {
         let output = gyrfalcon(&[&["plan", "--out", out], &MISSION[..], extra].concat());
         let error = String::from_utf8_lossy(&output.stderr);

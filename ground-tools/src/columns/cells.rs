@@ -40,7 +40,8 @@ pub(super) fn civil_ns(text: &str) -> Option<i64> {
     let ns: i64 = format!("{fraction:0<9}").get(..9)?.parse().ok()?;
     // Years from March, so that a leap day ends its year.
     let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
-    let days = 365 * year + year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400)
+    let days = 365 * year + year.div_euclid(4) - year.div_euclid(100)
+        + year.div_euclid(400)
         + (153 * month + 2) / 5
         + day
         - 719_469;
@@ -317,8 +318,7 @@ mod tests {
             d: Option<f64>,
         }
         let row = Row { a: 0.5, b: Some(7), c: "x", d: None };
-        let expected =
-            [Cell::Number(0.5), Cell::Whole(7), Cell::Word("x".to_owned()), Cell::None];
+        let expected = [Cell::Number(0.5), Cell::Whole(7), Cell::Word("x".to_owned()), Cell::None];
         assert_eq!(row_of(&row, 4).unwrap(), expected);
         assert!(row_of(&row, 3).is_err());
         assert!(row_of(&[1, 2], 2).is_err());

@@ -146,10 +146,9 @@ impl Message<'_> {
         let [a, b, c, d] = sample.quaternion;
         let [x, y, z] = sample.body_rate_rad_s.map(f64::to_degrees);
         let _ = match self.notation {
-            Notation::Kvn => writeln!(
-                text,
-                "{time} {a:.13} {b:.13} {c:.13} {d:.13} {x:.12} {y:.12} {z:.12}"
-            ),
+            Notation::Kvn => {
+                writeln!(text, "{time} {a:.13} {b:.13} {c:.13} {d:.13} {x:.12} {y:.12} {z:.12}")
+            }
             Notation::Xml => writeln!(
                 text,
                 "    <attitudeState><quaternionAngVel><EPOCH>{time}</EPOCH><quaternion>\

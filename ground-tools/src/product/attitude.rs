@@ -298,7 +298,8 @@ mod tests {
     }
 
     fn with_motion(preset: &str, check: impl Fn(&World, &Motion<'_>)) {
-        let overrides = ["span.duration_days=20"].map(|it| crate::mission::Override::set(it).unwrap());
+        let overrides =
+            ["span.duration_days=20"].map(|it| crate::mission::Override::set(it).unwrap());
         let mut world = World::open(Mission::load(preset, &overrides).unwrap(), None).unwrap();
         world.targets.clear();
         let tables = world.tables(&world.ground_options()).unwrap();

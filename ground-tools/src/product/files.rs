@@ -94,9 +94,9 @@ impl Products<'_> {
         fills.push(("timeline.ics", Box::new(move |out| Ok(out.write_all(&calendar)?))));
         fills.push((
             "attitude.aem",
-            Box::new(move |out| self.message(Notation::Kvn, step).write(out, &all, &|at| {
-                self.named(at)
-            })),
+            Box::new(move |out| {
+                self.message(Notation::Kvn, step).write(out, &all, &|at| self.named(at))
+            }),
         ));
         for product in also {
             let spans = spans.clone();
@@ -166,9 +166,7 @@ impl Products<'_> {
             .timeline
             .sessions
             .iter()
-            .map(|it| {
-                (Instant::from_tai_ns(it.start_tai_ns), Instant::from_tai_ns(it.end_tai_ns))
-            })
+            .map(|it| (Instant::from_tai_ns(it.start_tai_ns), Instant::from_tai_ns(it.end_tai_ns)))
             .collect();
         Span::of_sessions(&sessions, mission, step.step)
     }

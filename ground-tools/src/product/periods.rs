@@ -93,8 +93,7 @@ pub fn write(
         .iter()
         .enumerate()
         .map(|(index, period)| row(index + 1, period, &timeline.sessions, motion));
-    let layout =
-        Layout { format: Format::Csv, provenance: &timeline.provenance, header: &COLUMNS };
+    let layout = Layout { format: Format::Csv, provenance: &timeline.provenance, header: &COLUMNS };
     rows::write(out, rows, &layout).map(|_| ())
 }
 
@@ -103,7 +102,8 @@ type Period = (Instant, Instant, Vec<usize>);
 
 /// The periods of a mission, in order and without gaps.
 fn periods(sessions: &[Session], (start, end): (Instant, Instant)) -> Vec<Period> {
-    let span = |it: &Session| (it.start_tai_ns.max(start.tai_ns()), it.end_tai_ns.min(end.tai_ns()));
+    let span =
+        |it: &Session| (it.start_tai_ns.max(start.tai_ns()), it.end_tai_ns.min(end.tai_ns()));
     let mut cuts: BTreeSet<i64> = BTreeSet::from([start.tai_ns(), end.tai_ns()]);
     // What begins and what ends at a cut, so that each session is looked at twice.
     let mut changes: Vec<(i64, bool, usize)> = Vec::new();

@@ -6,8 +6,8 @@
 //!
 //! The clock counts microseconds of TAI since 2000-01-01T12:00:00 TAI. It is parallel to TT (32.184 s
 //! ahead), so one coefficient serves all missions and samples lie at whole ticks: ticks are exact
-//! until 2285, and what is left is the rounding of SPICE's ET (0.06 us at 2032, 4e-10 rad for a spin
-//! of 20 min).
+//! until 2285, and what is left is the rounding of SPICE's ET (0.1 us at 2032, 7e-10 rad for a spin of
+//! 20 min).
 //!
 //! Method: a double precision array file of little-endian records of 1024 bytes: file record,
 //! comments, one summary record, one name record, one segment. Its interpolation intervals are the

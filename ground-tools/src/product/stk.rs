@@ -11,8 +11,8 @@
 //! there, so the interval list says where the attitude holds (or the whole mission is written). Both
 //! follow the published format; no STK read them here.
 
-use super::attitude::{Motion, Sample, Span, Step, lines, sampled};
 use super::aem::sampling;
+use super::attitude::{Motion, Sample, Span, Step, lines, sampled};
 use crate::output::WriteError;
 use crate::timeline::Timeline;
 use ephem::time::format_utc;
@@ -112,8 +112,7 @@ mod tests {
     fn rows_count_microseconds_from_the_epoch() {
         let epoch = Instant::from_tai_ns(1_000_000_000_000_000_000);
         let at = Instant::from_tai_ns(1_000_000_004_000_007_000);
-        let sample =
-            Sample { at, quaternion: [0.0, 0.6, -0.0, 0.8], body_rate_rad_s: [0.0; 3] };
+        let sample = Sample { at, quaternion: [0.0, 0.6, -0.0, 0.8], body_rate_rad_s: [0.0; 3] };
         let mut text = String::new();
         row(&mut text, &sample, epoch);
         assert!(text.starts_with("4.000007 0.0000000000000 0.6000000000000"), "{text}");

@@ -88,8 +88,11 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         spacecraft: asked.naif_id,
     };
     let (json, csv, uplink) = (timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?);
-    let mut files =
-        vec![(TIMELINE, whole(&json)), ("timeline.csv", whole(&csv)), ("uplink.tbl", whole(&uplink))];
+    let mut files = vec![
+        (TIMELINE, whole(&json)),
+        ("timeline.csv", whole(&csv)),
+        ("uplink.tbl", whole(&uplink)),
+    ];
     files.extend(products.fills(&Also::chosen(&asked.also))?);
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     fill_folder(&folder, files)?;
