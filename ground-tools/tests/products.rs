@@ -88,7 +88,8 @@ fn pointing(plan: &Plan, instants: &[i64]) -> Vec<[f64; 4]> {
         let at = part.iter().map(elapsed).collect::<Vec<_>>().join(",");
         let text = run(&[&["pointing", "--at", &at], &MISSION[..]].concat());
         found.extend(rows(&text).iter().map(|row| {
-            let [x, y, z, w] = ["q_x", "q_y", "q_z", "q_w"].map(|key| row[key].parse().unwrap());
+            let [x, y, z, w]: [f64; 4] =
+                ["q_x", "q_y", "q_z", "q_w"].map(|key| row[key].parse().unwrap());
             let (s, c): (f64, f64) = half;
             // R_x(obliquity) takes the ecliptic's components to ICRF's.
             [c * x + s * w, c * y - s * z, c * z + s * y, c * w - s * x]
@@ -143,7 +144,7 @@ fn an_aem_in_either_notation_gives_back_the_attitude() {
         assert_eq!(metadata.ref_frame_a, "ICRF");
         assert_eq!(metadata.ref_frame_b, "SC_BODY_1");
         assert_eq!(metadata.angvel_frame.as_deref(), Some("SC_BODY_1"));
-        assert_eq!((&*metadata.object_name, &*metadata.object_id), ("LiteBIRD", "UNKNOWN"));
+        assert_eq!((&*metadata.object_name, &*metadata.object_id), ("LITEBIRD", "UNKNOWN"));
         assert_eq!(metadata.time_system, "UTC");
     }
     // Every session lies in one segment, padded, and segments do not meet.
@@ -161,7 +162,7 @@ fn an_aem_in_either_notation_gives_back_the_attitude() {
     let some: Vec<_> = rows.iter().step_by(rows.len() / 700).collect();
     let instants: Vec<i64> = some.iter().map(|pair| pair[0].0).collect();
     for (pair, expected) in some.iter().zip(pointing(&PLAN, &instants)) {
-        assert!(apart(pair[0].1, expected) < 1e-12, "{}", apart(pair[0].1, expected));
+        assert!(apart(pair[0].1, expected) < 2.1e-10, "{}", apart(pair[0].1, expected));
     }
     let mut worst = 0.0_f64;
     for part in [0.25, 0.5, 0.75] {
@@ -235,7 +236,7 @@ fn equal_plans_are_equal_bytes_and_stale_products_vanish() {
     assert!(always.iter().all(|name| kept.iter().any(|it| it == name)), "{kept:?}");
     assert!(kept.iter().any(|it| it == "attitude.a") && !kept.iter().any(|it| it == "frame.tf"));
     let text = |name: &str| std::fs::read_to_string(other.join(name)).unwrap();
-    assert!(text("attitude.aem").contains("CREATION_DATE = 2031-05-06T07:08:09.000000\n"));
+    assert!(text("attitude.aem").contains("CREATION_DATE = 2031-05-06T07:08:09\n"));
     assert!(text("timeline.ics").contains("DTSTAMP:20310506T070809Z\r\n"));
     assert!(PLAN.text("attitude.aem").contains("CREATION_DATE = 2032-03-31T23:58:50.8"));
     // What others put there stays refused.
@@ -278,9 +279,9 @@ fn parquet_has_the_rows_and_types_of_the_csv() {
     assert_eq!(logical("start_utc"), Some(LogicalType::timestamp(true, TimeUnit::NANOS)));
     assert_eq!(logical("start_tdb"), Some(LogicalType::timestamp(false, TimeUnit::NANOS)));
     assert_eq!(logical("target"), Some(LogicalType::String));
-    let rows: Vec<_> = reader.get_row_iter(None).unwrap().map(Result::unwrap).collect();
-    assert_eq!(rows.len(), PLAN.sessions().len());
-    for (row, session) in rows.iter().zip(PLAN.sessions()) {
+    let read: Vec<_> = reader.get_row_iter(None).unwrap().map(Result::unwrap).collect();
+    assert_eq!(read.len(), PLAN.sessions().len());
+    for (row, session) in read.iter().zip(PLAN.sessions()) {
         assert_eq!(row.get_string(0).unwrap(), session["id"].as_str().unwrap());
         let start = session["start_tai_ns"].as_i64().unwrap();
         assert_eq!(row.get_long(7).unwrap(), start);
@@ -360,7 +361,7 @@ fn a_c_kernel_holds_the_samples_of_the_aem() {
     assert!((number(finish - 1) - counts.0).abs() < 0.5 && (number(finish) - counts.1).abs() < 0.5);
     for (index, (ns, quaternion, _)) in rows.iter().enumerate() {
         let [w, x, y, z] = [0, 1, 2, 3].map(|part| number(begin + 7 * index + part));
-        assert!(apart([-x, -y, -z, w], *quaternion) < 3e-13);
+        assert!(apart([-x, -y, -z, w], *quaternion) < 2.1e-10);
         #[expect(clippy::cast_precision_loss, reason = "below 2^53")]
         let us = (ns / 1000) as f64;
         assert!((number(begin + 7 * rows.len() + index) - us).abs() < 0.5);
@@ -410,10 +411,7 @@ fn what_is_not_legal_is_named() {
         (&["--also", "aem,stk"], "possible values: parquet, aem-xml, ppl, stk, ck, all"),
         (&["--naif-id", "7"], "-2000000"),
         (&["--aem-span", "some"], "possible values: sessions, all"),
-        (
-            &["--also", "ck", "--set", "calibration.targets=neptune", "--duration", "1h"],
-            "no session",
-        ),
+        (&["--also", "ck", "--set", "calibration.schedule.max_minutes_per_day=1"], "no session"),
     ] {
         let output = gyrfalcon(&[&["plan", "--out", out], &MISSION[..], extra].concat());
         let error = String::from_utf8_lossy(&output.stderr);

@@ -72,7 +72,7 @@ def truth(program, start_ns, instants):
 
 def tai_ns(text, leap=37):
     """ns of TAI since 2000-01-01T12 TAI of a UTC text of this decade."""
-    whole, fraction = text.rstrip("Z").split(".")
+    whole, _, fraction = text.rstrip("Z").partition(".")
     epoch = datetime.datetime(2000, 1, 1, 12)
     seconds = (datetime.datetime.fromisoformat(whole) - epoch) // datetime.timedelta(seconds=1)
     return (seconds + leap) * 10**9 + int(fraction.ljust(9, "0"))
@@ -153,7 +153,7 @@ def check_samples(program, folder, start_ns):
         half = 0.5 * apart(a, b)[:, None]
         mixed = (numpy.sin(half * (1 - part)) * a + numpy.sin(half * part) * b) / numpy.sin(half)
         middle = max(middle, apart(mixed, truth(program, start_ns, inside)).max())
-    check("text, attitude.aem, at samples", worst, 1e-12, "rad")
+    check("text, attitude.aem, at samples", worst, 1e-9, "rad")
     check("slerp, attitude.aem, between", middle / ARCSEC, 1.0, "arcsec")
 
 
@@ -192,7 +192,7 @@ def check_spice(program, folder, start_ns):
     check("SPICE intervals less segments", abs(spiceypy.wncard(coverage) - len(segments)), 0, "")
     check("SPICE ckgpav, at samples", worst, 1e-9, "rad")
     check("SPICE ckgpav, between", middle / ARCSEC, 1.0, "arcsec")
-    check("SPICE angular velocity, at samples", rates, 1e-12, "rad/s")
+    check("SPICE angular velocity less the AEM's, at samples", rates, 2e-11, "rad/s")
     check("SPICE pxform by ET, at samples", by_et, 2e-9, "rad")
 
 

@@ -8,7 +8,7 @@
 //! Method: one segment per span, written as its samples are made; USEABLE times are those of the
 //! sessions.
 //!
-//! Limits: quaternions have 13 decimals (1e-13 rad), rates 12 decimals of deg/s, times whole
+//! Limits: quaternions have 10 decimals (2e-10 rad), rates 9 decimals of deg/s, times whole
 //! microseconds.
 
 use super::attitude::{Motion, Sample, Span, Step, lines, sampled};
@@ -147,15 +147,15 @@ impl Message<'_> {
         let [x, y, z] = sample.body_rate_rad_s.map(f64::to_degrees);
         let _ = match self.notation {
             Notation::Kvn => {
-                writeln!(text, "{time} {a:.13} {b:.13} {c:.13} {d:.13} {x:.12} {y:.12} {z:.12}")
+                writeln!(text, "{time} {a:.10} {b:.10} {c:.10} {d:.10} {x:.9} {y:.9} {z:.9}")
             }
             Notation::Xml => writeln!(
                 text,
                 "    <attitudeState><quaternionAngVel><EPOCH>{time}</EPOCH><quaternion>\
-                 <Q1>{a:.13}</Q1><Q2>{b:.13}</Q2><Q3>{c:.13}</Q3><QC>{d:.13}</QC></quaternion>\
-                 <angVel><ANGVEL_X units=\"deg/s\">{x:.12}</ANGVEL_X>\
-                 <ANGVEL_Y units=\"deg/s\">{y:.12}</ANGVEL_Y>\
-                 <ANGVEL_Z units=\"deg/s\">{z:.12}</ANGVEL_Z></angVel></quaternionAngVel>\
+                 <Q1>{a:.10}</Q1><Q2>{b:.10}</Q2><Q3>{c:.10}</Q3><QC>{d:.10}</QC></quaternion>\
+                 <angVel><ANGVEL_X units=\"deg/s\">{x:.9}</ANGVEL_X>\
+                 <ANGVEL_Y units=\"deg/s\">{y:.9}</ANGVEL_Y>\
+                 <ANGVEL_Z units=\"deg/s\">{z:.9}</ANGVEL_Z></angVel></quaternionAngVel>\
                  </attitudeState>"
             ),
         };
@@ -173,11 +173,12 @@ pub fn sampling(step: &Step) -> String {
     )
 }
 
-/// UTC to the microsecond, without the letter of its zone.
+/// UTC to the microsecond, without zeros at its end and the letter of its zone.
 #[must_use]
 pub fn utc(at: Instant) -> String {
     let mut text = format_utc(at);
     text.truncate(26);
+    text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
     text
 }
 
@@ -197,6 +198,8 @@ mod tests {
     fn times_are_cut_to_the_microsecond_and_bounds_rounded_up() {
         let at = Instant::from_tai_ns(1_000_000_000_123_456_789);
         assert_eq!(utc(at).len(), 26);
+        let minute = Instant::from_tai_ns(37_000_000_000 + 43_200_000_000_000 * 24_000);
+        assert!(utc(minute).ends_with("T00:00:00") || utc(minute).ends_with("T12:00:00"));
         assert_eq!(down_to_us(at).tai_ns(), 1_000_000_000_123_456_000);
         let step = Step { step: Duration::from_ns(4_000_000_000), error_rad: 4e-6 };
         // 4e-6 rad is 0.825059 arcsec.

@@ -63,7 +63,7 @@ fn row(text: &mut String, sample: &Sample, epoch: Instant) {
     let us = sample.at.since(epoch).ns().div_euclid(1000);
     let [x, y, z, w] = sample.quaternion;
     let (seconds, us) = (us / 1_000_000, us % 1_000_000);
-    let _ = writeln!(text, "{seconds}.{us:06} {x:.13} {y:.13} {z:.13} {w:.13}");
+    let _ = writeln!(text, "{seconds}.{us:06} {x:.10} {y:.10} {z:.10} {w:.10}");
 }
 
 /// Writes the interval list: one interval per session, its id as data.
@@ -115,6 +115,6 @@ mod tests {
         let sample = Sample { at, quaternion: [0.0, 0.6, -0.0, 0.8], body_rate_rad_s: [0.0; 3] };
         let mut text = String::new();
         row(&mut text, &sample, epoch);
-        assert!(text.starts_with("4.000007 0.0000000000000 0.6000000000000"), "{text}");
+        assert!(text.starts_with("4.000007 0.0000000000 0.6000000000"), "{text}");
     }
 }
