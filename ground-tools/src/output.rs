@@ -137,6 +137,7 @@ pub fn write_folder(folder: &Path, files: &[(&str, &[u8])]) -> Result<(), Failur
 }
 
 /// Writes bytes that are there already.
+#[must_use]
 pub fn whole(bytes: &[u8]) -> Fill<'_> {
     Box::new(move |out| Ok(out.write_all(bytes)?))
 }

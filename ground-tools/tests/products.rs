@@ -159,7 +159,7 @@ fn an_aem_in_either_notation_gives_back_the_attitude() {
     let rows: Vec<_> = segments.iter().flat_map(|it| it.windows(2)).collect();
     // Signs go on from row to row.
     assert!(rows.iter().all(|pair| dot(pair[0].1, pair[1].1) > 0.9));
-    let some: Vec<_> = rows.iter().step_by(rows.len() / 700).collect();
+    let some: Vec<_> = rows.iter().step_by(rows.len().div_ceil(700)).collect();
     let instants: Vec<i64> = some.iter().map(|pair| pair[0].0).collect();
     for (pair, expected) in some.iter().zip(pointing(&PLAN, &instants)) {
         assert!(apart(pair[0].1, expected) < 2.1e-10, "{}", apart(pair[0].1, expected));

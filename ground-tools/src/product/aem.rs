@@ -1,9 +1,9 @@
 //! A CCSDS Attitude Ephemeris Message, version 2 \[CCSDS504\], in KVN or XML \[CCSDS505\].
 //!
-//! `REF_FRAME_A` is ICRF, `REF_FRAME_B` SC_BODY_1, the mission boresight frame. Q1 Q2 Q3 QC is the
-//! quaternion that takes components in SC_BODY_1 to components in ICRF, as B turned by +90 deg about
-//! A's z is (0, 0, 0.7071, 0.7071). ANGVEL is SC_BODY_1's angular velocity against ICRF, components
-//! in SC_BODY_1, deg/s. Times are UTC.
+//! `REF_FRAME_A` is ICRF, `REF_FRAME_B` `SC_BODY_1`, the mission boresight frame. Q1 Q2 Q3 QC is the
+//! quaternion that takes components in `SC_BODY_1` to components in ICRF, as B turned by +90 deg about
+//! A's z is (0, 0, 0.7071, 0.7071). ANGVEL is `SC_BODY_1`'s angular velocity against ICRF, components
+//! in `SC_BODY_1`, deg/s. Times are UTC.
 //!
 //! Method: one segment per span, written as its samples are made; USEABLE times are those of the
 //! sessions.
@@ -38,7 +38,7 @@ pub struct Message<'m> {
     pub product: &'m Product,
     /// Where it comes from.
     pub provenance: &'m Provenance,
-    /// CREATION_DATE.
+    /// `CREATION_DATE`.
     pub stamp: Instant,
     /// Attitudes.
     pub motion: Motion<'m>,
@@ -143,19 +143,22 @@ impl Message<'_> {
 
     fn row(&self, text: &mut String, sample: &Sample) {
         let time = utc(sample.at);
-        let [a, b, c, d] = sample.quaternion;
-        let [x, y, z] = sample.body_rate_rad_s.map(f64::to_degrees);
+        let [q1, q2, q3, qc] = sample.quaternion;
+        let [rate_x, rate_y, rate_z] = sample.body_rate_rad_s.map(f64::to_degrees);
         let _ = match self.notation {
             Notation::Kvn => {
-                writeln!(text, "{time} {a:.10} {b:.10} {c:.10} {d:.10} {x:.9} {y:.9} {z:.9}")
+                writeln!(
+                    text,
+                    "{time} {q1:.10} {q2:.10} {q3:.10} {qc:.10} {rate_x:.9} {rate_y:.9} {rate_z:.9}"
+                )
             }
             Notation::Xml => writeln!(
                 text,
                 "    <attitudeState><quaternionAngVel><EPOCH>{time}</EPOCH><quaternion>\
-                 <Q1>{a:.10}</Q1><Q2>{b:.10}</Q2><Q3>{c:.10}</Q3><QC>{d:.10}</QC></quaternion>\
-                 <angVel><ANGVEL_X units=\"deg/s\">{x:.9}</ANGVEL_X>\
-                 <ANGVEL_Y units=\"deg/s\">{y:.9}</ANGVEL_Y>\
-                 <ANGVEL_Z units=\"deg/s\">{z:.9}</ANGVEL_Z></angVel></quaternionAngVel>\
+                 <Q1>{q1:.10}</Q1><Q2>{q2:.10}</Q2><Q3>{q3:.10}</Q3><QC>{qc:.10}</QC></quaternion>\
+                 <angVel><ANGVEL_X units=\"deg/s\">{rate_x:.9}</ANGVEL_X>\
+                 <ANGVEL_Y units=\"deg/s\">{rate_y:.9}</ANGVEL_Y>\
+                 <ANGVEL_Z units=\"deg/s\">{rate_z:.9}</ANGVEL_Z></angVel></quaternionAngVel>\
                  </attitudeState>"
             ),
         };

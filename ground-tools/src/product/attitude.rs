@@ -9,7 +9,7 @@
 //! every product and every span shares them; a span's ends at the mission's edges are whole
 //! microseconds. Between two samples an interpolation that turns uniformly (slerp) differs from the
 //! true rotation by a vector e with e = 0 at both ends and |e''| <= M, so |e| <= h^2 M / 8. With w the
-//! body's angular velocity, W its largest derivative and x = h |w|, e' = w - e^(-e) w_slerp to first
+//! body's angular velocity, W its largest derivative and x = h |w|, e' = w - e^(-e) `w_slerp` to first
 //! order, whence M <= W / (1 - x/2 - 0.15 h^2 M): M <= 1.001 W (1 + x) for x <= 1/4 and errors below
 //! a minute of arc. W comes from `w' = f' + f x (w_a n + w_b s) + w_a w_b n x s`, f the anti-Sun
 //! frame's rate, n the anti-Sun axis, s the spin axis.
@@ -134,13 +134,17 @@ fn frame_bounds(sun: &MotionBounds) -> (f64, f64) {
 
 /// q v q*.
 #[must_use]
-pub fn turned([x, y, z, w]: [f64; 4], [a, b, c]: [f64; 3]) -> [f64; 3] {
-    let t = [2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)];
-    [
-        a + w * t[0] + y * t[2] - z * t[1],
-        b + w * t[1] + z * t[0] - x * t[2],
-        c + w * t[2] + x * t[1] - y * t[0],
-    ]
+pub fn turned(quaternion: [f64; 4], vector: [f64; 3]) -> [f64; 3] {
+    let [x, y, z, w] = quaternion;
+    let axis = [x, y, z];
+    // v + 2 w (u x v) + u x 2 (u x v), u the quaternion's vector.
+    let twice = cross(axis, vector).map(|it| 2.0 * it);
+    let across = cross(axis, twice);
+    std::array::from_fn(|index| vector[index] + w * twice[index] + across[index])
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The samples of one unbroken span, and whose they are.
@@ -267,7 +271,9 @@ fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
 pub fn lines(samples: &[Sample], write: impl Fn(&mut String, &Sample) + Sync) -> Vec<String> {
     let piece = |samples: &[Sample]| {
         let mut text = String::with_capacity(160 * samples.len());
-        samples.iter().for_each(|sample| write(&mut text, sample));
+        for sample in samples {
+            write(&mut text, sample);
+        }
         text
     };
     samples.par_chunks(PIECE).map(piece).collect()

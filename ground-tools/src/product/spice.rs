@@ -226,9 +226,10 @@ impl Kernels<'_> {
                     .par_iter()
                     .map(|sample| {
                         let [x, y, z, w] = sample.quaternion;
-                        let [a, b, c] = turned(sample.quaternion, sample.body_rate_rad_s);
+                        let rate = turned(sample.quaternion, sample.body_rate_rad_s);
+                        let packet = [w, -x, -y, -z].into_iter().chain(rate);
                         let mut bytes = [0; 8 * PACKET];
-                        for (place, number) in [w, -x, -y, -z, a, b, c].into_iter().enumerate() {
+                        for (place, number) in packet.enumerate() {
                             bytes[8 * place..][..8].copy_from_slice(&number.to_le_bytes());
                         }
                         bytes

@@ -2,7 +2,7 @@
 //!
 //! Quaternions are scalar last and of the rotation that turns the ICRF axes to the mission boresight
 //! frame's, about n by A: (n sin A/2, cos A/2). These are the numbers that take components in the
-//! boresight frame to ICRF by q v q*, so they stand unchanged. Times are seconds since ScenarioEpoch,
+//! boresight frame to ICRF by q v q*, so they stand unchanged. Times are seconds since `ScenarioEpoch`,
 //! which is UTC; intervals are UTC.
 //!
 //! Method: the samples of the other products, one block; STK's linear interpolation between them.
