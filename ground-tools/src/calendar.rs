@@ -222,8 +222,8 @@ mod tests {
             until: at("2032-04-01T07:30:00Z"),
             summary: "Wheel unloading, orbit; manoeuvre: all \\ telescopes".to_owned(),
         };
-        assert_eq!(read(&text).unwrap(), [expected.clone()]);
-        assert_eq!(read(&text.replace("\r\n", "\n")).unwrap(), [expected]);
+        assert_eq!(read(&text).unwrap(), read(&text.replace("\r\n", "\n")).unwrap());
+        assert_eq!(read(&text).unwrap(), [expected]);
         let days = calendar(&["DTSTART;VALUE=DATE:20320401", "DTEND;VALUE=DATE:20320403"]);
         let [days] = &read(&days).unwrap()[..] else { panic!() };
         assert_eq!(days.until.since(days.from).ns(), 2 * 86_400 * SECOND_NS);
