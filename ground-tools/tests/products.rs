@@ -90,9 +90,9 @@ fn pointing(plan: &Plan, instants: &[i64]) -> Vec<[f64; 4]> {
         found.extend(rows(&text).iter().map(|row| {
             let [x, y, z, w]: [f64; 4] =
                 ["q_x", "q_y", "q_z", "q_w"].map(|key| row[key].parse().unwrap());
-            let (s, c): (f64, f64) = half;
+            let (sin, cos): (f64, f64) = half;
             // R_x(obliquity) takes the ecliptic's components to ICRF's.
-            [c * x + s * w, c * y - s * z, c * z + s * y, c * w - s * x]
+            [cos * x + sin * w, cos * y - sin * z, cos * z + sin * y, cos * w - sin * x]
         }));
     }
     found
@@ -119,8 +119,11 @@ fn tai_ns(utc: &str) -> i64 {
     ephem::time::parse_time(&format!("{utc}Z")).unwrap().tai_ns()
 }
 
-/// Epoch, quaternion and rate of every row, by segment.
-fn states(aem: &Aem) -> Vec<Vec<(i64, [f64; 4], [f64; 3])>> {
+/// Epoch in ns of TAI, quaternion, rate.
+type State = (i64, [f64; 4], [f64; 3]);
+
+/// Every row, by segment.
+fn states(aem: &Aem) -> Vec<Vec<State>> {
     let segment = |it: &ccsds_ndm::messages::aem::AemSegment| {
         let states = it.data.attitude_states.iter().map(|state| {
             let state = state.quaternion_ang_vel.as_ref().unwrap();
@@ -150,9 +153,7 @@ fn an_aem_in_either_notation_gives_back_the_attitude() {
     // Every session lies in one segment, padded, and segments do not meet.
     for session in PLAN.sessions() {
         let [start, end] = ["start_tai_ns", "end_tai_ns"].map(|key| session[key].as_i64().unwrap());
-        let inside = |it: &&Vec<(i64, [f64; 4], [f64; 3])>| {
-            it[0].0 < start + 1000 && end < it[it.len() - 1].0 + 1000
-        };
+        let inside = |it: &&Vec<State>| it[0].0 < start + 1000 && end < it[it.len() - 1].0 + 1000;
         assert_eq!(segments.iter().filter(inside).count(), 1);
     }
     assert!(segments.windows(2).all(|pair| pair[0][pair[0].len() - 1].0 < pair[1][0].0));
@@ -166,7 +167,7 @@ fn an_aem_in_either_notation_gives_back_the_attitude() {
     }
     let mut worst = 0.0_f64;
     for part in [0.25, 0.5, 0.75] {
-        let offset = |pair: &[(i64, [f64; 4], [f64; 3])]| {
+        let offset = |pair: &[State]| {
             #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "s")]
             let ns = ((pair[1].0 - pair[0].0) as f64 * part) as i64;
             ns
