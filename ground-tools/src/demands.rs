@@ -4,11 +4,12 @@
 //! to a body to avoid where, at the entry, the closest approach or the exit of any of its passes, the
 //! body stands nearer to that line of sight than its limit. Contacts and blackouts are read from CSV
 //! files with a header (`start_utc, end_utc, bit_s`; `start_utc, end_utc, reason`), lines beginning
-//! with `#` left out; blackouts also from an iCalendar file, its events in UTC.
+//! with `#` left out; blackouts also from an iCalendar file ([`crate::calendar`]).
 //!
 //! Limits: between these three instants of a pass a body to avoid may come nearer by what the line of
-//! sight moves; iCalendar events that repeat, or in local time, are refused.
+//! sight moves.
 
+use crate::calendar::{self, Occasion};
 use crate::failure::Failure;
 use crate::mission::FilePath;
 use crate::passes::{Found, told};
@@ -279,8 +280,8 @@ fn contacts(world: &World, file: &FilePath) -> Result<Vec<Contact>, Failure> {
 pub fn blackouts(world: &World) -> Result<Vec<Blackout>, Failure> {
     let Some(file) = &world.mission.calibration.schedule.blackouts else { return Ok(Vec::new()) };
     let path = world.mission.path(file);
-    let calendar = path.extension().is_some_and(|it| it.eq_ignore_ascii_case("ics"));
-    let mut all = if calendar {
+    let is_calendar = path.extension().is_some_and(|it| it.eq_ignore_ascii_case("ics"));
+    let mut all = if is_calendar {
         events(&path)?
     } else {
         rows(&path, "reason")?
@@ -302,72 +303,10 @@ pub fn blackouts(world: &World) -> Result<Vec<Blackout>, Failure> {
     Ok(all)
 }
 
-/// The events of an iCalendar file (RFC 5545) in UTC.
+/// The events of an iCalendar file.
 fn events(path: &std::path::Path) -> Result<Vec<Blackout>, Failure> {
-    let text = text_of(path)?.replace("\r\n", "\n").replace("\n ", "").replace("\n\t", "");
-    let refuse = |what: String| Failure::Input(format!("{}: {what}", path.display()));
-    let mut all = Vec::new();
-    let mut event: Option<(Option<Instant>, Option<Instant>, String)> = None;
-    for line in text.lines() {
-        let Some((property, value)) = line.split_once(':') else { continue };
-        let name = property.split(';').next().unwrap_or(property);
-        match (name, &mut event) {
-            ("BEGIN", _) if value == "VEVENT" => event = Some((None, None, String::new())),
-            ("DTSTART", Some(it)) => it.0 = Some(moment(value).map_err(refuse)?),
-            ("DTEND", Some(it)) => it.1 = Some(moment(value).map_err(refuse)?),
-            ("SUMMARY", Some(it)) => value.clone_into(&mut it.2),
-            ("RRULE" | "RDATE" | "DURATION", Some(_)) => {
-                return Err(refuse(format!(
-                    "{name} is not understood: DTSTART and DTEND are needed"
-                )));
-            }
-            ("END", Some(_)) if value == "VEVENT" => {
-                let Some((Some(from), Some(until), reason)) = event.take() else {
-                    return Err(refuse("an event has no DTSTART and DTEND".to_owned()));
-                };
-                if until <= from {
-                    let at = format_utc(from);
-                    return Err(refuse(format!(
-                        "the event from {at} does not end after its start"
-                    )));
-                }
-                all.push(Blackout { from, until, reason });
-            }
-            _ => {}
-        }
-    }
-    Ok(all)
-}
-
-/// `YYYYMMDDTHHMMSSZ`, or a date, which begins at midnight UTC.
-fn moment(text: &str) -> Result<Instant, String> {
-    let need = || format!("{text} is not a time in UTC: YYYYMMDDTHHMMSSZ or YYYYMMDD is needed");
-    let digits = |from: usize, until: usize| {
-        let part = text.get(from..until).filter(|it| it.bytes().all(|b| b.is_ascii_digit()));
-        part.ok_or_else(need)
-    };
-    let date = format!("{}-{}-{}", digits(0, 4)?, digits(4, 6)?, digits(6, 8)?);
-    let time = match text.get(8..) {
-        Some("") => "00:00:00".to_owned(),
-        Some(rest) if rest.len() == 8 && rest.starts_with('T') && rest.ends_with('Z') => {
-            format!("{}:{}:{}", digits(9, 11)?, digits(11, 13)?, digits(13, 15)?)
-        }
-        _ => return Err(need()),
-    };
-    parse_time(&format!("{date}T{time}Z")).map_err(|error| error.to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn calendar_times_are_utc() {
-        let at = |text| parse_time(text).unwrap();
-        assert_eq!(moment("20320401T063000Z").unwrap(), at("2032-04-01T06:30:00Z"));
-        assert_eq!(moment("20320401").unwrap(), at("2032-04-01T00:00:00Z"));
-        for text in ["20320401T063000", "2032-04-01", "", "20320401T0630Z", "20321301"] {
-            assert!(moment(text).is_err(), "{text}");
-        }
-    }
+    let events = calendar::read(&text_of(path)?)
+        .map_err(|what| Failure::Input(format!("{}: {what}", path.display())))?;
+    let blackout = |it: Occasion| Blackout { from: it.from, until: it.until, reason: it.summary };
+    Ok(events.into_iter().map(blackout).collect())
 }

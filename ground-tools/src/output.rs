@@ -125,15 +125,34 @@ pub fn to_stdout(bytes: &[u8]) -> Result<(), Failure> {
     Sink::Stdout.write(bytes)
 }
 
+/// What fills a file as it is written.
+pub type Fill<'f> = Box<dyn FnOnce(&mut dyn Write) -> Result<(), WriteError> + 'f>;
+
 /// Writes files into a folder, which is made if need be: all of them or none.
 ///
 /// # Errors
 /// [`Failure::Input`] names the path and what the system said.
 pub fn write_folder(folder: &Path, files: &[(&str, &[u8])]) -> Result<(), Failure> {
+    fill_folder(folder, files.iter().map(|&(name, bytes)| (name, whole(bytes))).collect())
+}
+
+/// Writes bytes that are there already.
+#[must_use]
+pub fn whole(bytes: &[u8]) -> Fill<'_> {
+    Box::new(move |out| Ok(out.write_all(bytes)?))
+}
+
+/// Fills files in a folder, which is made if need be: all of them appear or none.
+///
+/// # Errors
+/// [`Failure::Input`] names the path and what the system said, or what a file failed with.
+pub fn fill_folder(folder: &Path, files: Vec<(&str, Fill<'_>)>) -> Result<(), Failure> {
     let made = !folder.exists();
     std::fs::create_dir_all(folder).map_err(|error| Failure::file("create", folder, &error))?;
-    let written: Result<Vec<_>, _> =
-        files.iter().map(|(name, bytes)| whole(&folder.join(name), bytes)).collect();
+    let write = |(name, fill): (&str, Fill<'_>)| {
+        beside(&folder.join(name), fill).map(|((), written)| written)
+    };
+    let written: Result<Vec<_>, _> = files.into_iter().map(write).collect();
     match written {
         Ok(files) => files.into_iter().try_for_each(Written::place),
         Err(failure) => {
@@ -158,10 +177,6 @@ impl Written {
         file.persist(&path).map_err(|error| Failure::file("write", &path, &error.error))?;
         Ok(())
     }
-}
-
-fn whole(path: &Path, bytes: &[u8]) -> Result<Written, Failure> {
-    beside(path, |out| Ok(out.write_all(bytes)?)).map(|((), written)| written)
 }
 
 /// Fills a file next to `path`; dropped before it is placed, it vanishes.
@@ -235,6 +250,12 @@ mod tests {
         assert!(failure.to_string().contains("no/b"), "{failure}");
         assert!(!plan.exists());
         write_folder(&plan, &[("a", b"1"), ("b", b"2")]).unwrap();
+        assert_eq!(std::fs::read_dir(&plan).unwrap().count(), 2);
+        let good: Fill<'_> = Box::new(|out| Ok(out.write_all(b"3")?));
+        let fails: Fill<'_> =
+            Box::new(|_| Err(WriteError::Failed(Failure::Input("no more".to_owned()))));
+        assert!(fill_folder(&plan, vec![("a", good), ("b", fails)]).is_err());
+        assert_eq!(std::fs::read(plan.join("a")).unwrap(), b"1");
         assert_eq!(std::fs::read_dir(&plan).unwrap().count(), 2);
     }
 }

@@ -1,9 +1,10 @@
-//! Rows of CSV or JSON lines, from one definition.
+//! Rows of CSV, JSON lines or Parquet, from one definition.
 //!
 //! CSV: provenance as comments, a header, shortest round-trip numbers. JSON lines: an object per
-//! row, the first of them carrying the provenance too.
+//! row, the first of them carrying the provenance too. Parquet: [`crate::columns`].
 
 use crate::cli::Format;
+use crate::columns;
 use crate::failure::Failure;
 use crate::output::WriteError;
 use crate::provenance::Provenance;
@@ -22,8 +23,9 @@ pub fn write<R: Serialize>(
     match layout.format {
         Format::Csv => csv_rows(out, rows, layout),
         Format::Jsonl => json_rows(out, rows, layout),
+        Format::Parquet => columns::write(out, rows, layout),
         Format::C => Err(WriteError::Failed(Failure::Input(
-            "--format c is the form of vectors alone: csv or jsonl is needed".to_owned(),
+            "--format c is the form of vectors alone: csv, jsonl or parquet is needed".to_owned(),
         ))),
     }
 }
@@ -31,7 +33,7 @@ pub fn write<R: Serialize>(
 /// How rows are written.
 #[derive(Debug, Clone, Copy)]
 pub struct Layout<'l> {
-    /// CSV or JSON lines.
+    /// CSV, JSON lines or Parquet.
     pub format: Format,
     /// Where the rows come from.
     pub provenance: &'l Provenance,

@@ -25,6 +25,7 @@ use planner::schedule::{Because, ConstraintUse, Problem, Rule, Schedule};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::Value;
+use std::io::Write;
 
 /// Everything that a timeline is made from.
 #[derive(Debug)]
@@ -421,6 +422,19 @@ impl Timeline {
     /// # Errors
     /// [`Failure::Internal`] where it cannot be written.
     pub fn to_csv(&self) -> Result<Vec<u8>, Failure> {
+        let mut bytes = Vec::new();
+        self.write_table(&mut bytes, Format::Csv).map_err(|error| match error {
+            WriteError::Io(error) => Failure::internal(error),
+            WriteError::Failed(failure) => failure,
+        })?;
+        Ok(bytes)
+    }
+
+    /// A row per session.
+    ///
+    /// # Errors
+    /// What the writer says.
+    pub fn write_table(&self, out: &mut dyn Write, format: Format) -> Result<(), WriteError> {
         let rows = self.sessions.iter().map(|it| Row {
             id: &it.id,
             target: &it.target,
@@ -435,12 +449,7 @@ impl Timeline {
             dwell_s: it.dwell_s,
             reason: &it.reason,
         });
-        let layout = Layout { format: Format::Csv, provenance: &self.provenance, header: &COLUMNS };
-        let mut bytes = Vec::new();
-        rows::write(&mut bytes, rows.map(Ok), &layout).map_err(|error| match error {
-            WriteError::Io(error) => Failure::internal(error),
-            WriteError::Failed(failure) => failure,
-        })?;
-        Ok(bytes)
+        let layout = Layout { format, provenance: &self.provenance, header: &COLUMNS };
+        rows::write(out, rows.map(Ok), &layout).map(|_| ())
     }
 }

@@ -398,7 +398,7 @@ fn bad_input_is_refused_with_what_is_legal() {
         (&["--sampled", "--rate", "-1"], ["--rate", "-1"]),
         (&["--rate", "19"], ["--sampled", "required"]),
         (&["--telescope", "HTF"], ["--telescope HTF", "HFT"]),
-        (&["--format", "c", "--out", "no-such-file.h"], ["--format c", "csv or jsonl"]),
+        (&["--format", "c", "--out", "no-such-file.h"], ["--format c", "csv, jsonl or parquet"]),
     ] {
         let output = gyrfalcon(&[&["visits"][..], arguments].concat());
         let error = String::from_utf8(output.stderr).unwrap();

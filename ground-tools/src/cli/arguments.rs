@@ -3,6 +3,7 @@
 //! Limits: durations and angles are text here; the verbs read them, so that a fault names its option.
 
 use crate::number::Number;
+use crate::product::Also;
 use clap::{ArgAction, Args, Subcommand, ValueEnum};
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
@@ -408,6 +409,52 @@ pub struct PlanArgs {
     /// The uplink table's sequence number, growing with every uplink
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub sequence: u32,
+    /// What the files hold and say.
+    #[command(flatten)]
+    pub products: ProductArgs,
+}
+
+/// The products of `plan`.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Products")]
+pub struct ProductArgs {
+    /// Products beside those that are always written: parquet,stk
+    #[arg(long, value_name = "PRODUCT,...", value_delimiter = ',')]
+    pub also: Vec<Also>,
+    /// Largest error of interpolation between samples of the attitude, in seconds of arc
+    #[arg(long, value_name = "ARCSEC", default_value = "1", value_parser = arcseconds,
+          allow_hyphen_values = true)]
+    pub aem_error_arcsec: f64,
+    /// Attitudes of the sessions, or of all the mission
+    #[arg(long, value_name = "SPAN", default_value = "sessions")]
+    pub aem_span: AttitudeSpan,
+    /// When the files say they were made: 2032-03-01T00:00:00Z; without it `SOURCE_DATE_EPOCH`, or
+    /// the mission's start
+    #[arg(long, value_name = "TIME")]
+    pub stamp: Option<String>,
+    /// The spacecraft's NAIF number in SPICE kernels
+    #[arg(long, value_name = "ID", default_value_t = -999, allow_negative_numbers = true,
+          value_parser = clap::value_parser!(i32).range(-2_000_000..=-1))]
+    pub naif_id: i32,
+}
+
+/// Where attitudes are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AttitudeSpan {
+    /// Each session, padded
+    Sessions,
+    /// The whole mission
+    All,
+}
+
+/// An error of interpolation in seconds of arc.
+fn arcseconds(text: &str) -> Result<f64, String> {
+    let value = Number::parse(text).map_err(|error| error.to_string())?.to_f64();
+    if (1e-3..=60.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("{text} arcsec: an error from 0.001 to 60 arcsec is needed"))
+    }
 }
 
 /// Elapsed seconds, exact to the nanosecond.

@@ -123,6 +123,8 @@ pub enum Format {
     Csv,
     /// One JSON object per line
     Jsonl,
+    /// Apache Parquet
+    Parquet,
     /// A C99 header, of `vectors` alone
     C,
 }

@@ -1,12 +1,14 @@
 //! `gyrfalcon plan`: the calibration timeline, the main job.
 
 use super::{print_json, tell, warn, world};
-use crate::cli::{PlanArgs, SharedArgs};
+use crate::cli::{AttitudeSpan, PlanArgs, SharedArgs};
 use crate::demands::{Sources, blackouts};
 use crate::failure::Failure;
 use crate::mission::schedule::Exclusive as ExclusiveKey;
-use crate::output::write_folder;
+use crate::output::{fill_folder, whole};
 use crate::passes::{Found, search};
+use crate::product::stamp::stamp;
+use crate::product::{ALWAYS, Also, Products};
 use crate::provenance::PROGRAM;
 use crate::resonance_check::{ResonanceCheck, minutes};
 use crate::sightline::{SightLine, of_plan};
@@ -26,8 +28,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 const DEFAULT_FOLDER: &str = "gyrfalcon-plan";
-/// What `plan` writes into its folder.
-const FILES: [&str; 3] = ["timeline.json", "timeline.csv", "uplink.tbl"];
+/// The file by which a plan is known.
+const TIMELINE: &str = ALWAYS[0];
 /// How much of the timeline is printed.
 const SHOWN: Duration = Duration::from_ns(14 * 86_400 * 1_000_000_000);
 
@@ -38,8 +40,11 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
             "plan writes a folder: --out FOLDER is needed, not -".to_owned(),
         ));
     }
-    refuse_others_folder(&folder, arguments.force)?;
+    let ours = is_ours(&folder, arguments.force)?;
     let world = world(shared)?;
+    let asked = &arguments.products;
+    let variable = std::env::var("SOURCE_DATE_EPOCH").ok();
+    let stamp = stamp(asked.stamp.as_deref(), variable.as_deref(), world.start)?;
     warn(shared, &slow_checks(&world));
     let resonance = resonance(shared, &world)?;
     let tables = world.tables(&FitOptions::UPLINK)?;
@@ -73,15 +78,32 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         sessions: Some(&records),
         sequence: arguments.sequence,
     };
-    let files = [timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?];
-    let named: Vec<(&str, &[u8])> =
-        FILES.into_iter().zip(files.iter().map(Vec::as_slice)).collect();
-    write_folder(&folder, &named)?;
+    let products = Products {
+        world: &world,
+        sun,
+        timeline: &timeline,
+        stamp,
+        error_rad: (asked.aem_error_arcsec / 3600.0).to_radians(),
+        whole: asked.aem_span == AttitudeSpan::All,
+        spacecraft: asked.naif_id,
+    };
+    let (json, csv, uplink) = (timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?);
+    let mut files = vec![
+        (TIMELINE, whole(&json)),
+        ("timeline.csv", whole(&csv)),
+        ("uplink.tbl", whole(&uplink)),
+    ];
+    files.extend(products.fills(&Also::chosen(&asked.also))?);
+    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+    fill_folder(&folder, files)?;
+    if ours {
+        remove_stale(&folder, &names)?;
+    }
     if shared.json {
         print_json(&summary(&world, &timeline, &opportunities))?;
     } else {
         let resonance = resonance.as_ref();
-        tell(shared, &told(&world, &timeline, &opportunities, (&folder, resonance)))?;
+        tell(shared, &told(&world, &timeline, &opportunities, (&folder, &names), resonance))?;
     }
     match &resonance {
         Some(Resonance { checked, .. }) if arguments.strict && !checked.certificate.passes => {
@@ -111,9 +133,14 @@ fn resonance(shared: &SharedArgs, world: &World) -> Result<Option<Resonance>, Fa
     Ok(Some(Resonance { checked, recommended }))
 }
 
-/// A place that cannot be a folder is told before the work; a folder that is not empty must be one
-/// that `plan` wrote, or be forced.
-fn refuse_others_folder(folder: &Path, force: bool) -> Result<(), Failure> {
+/// Every file that `plan` may have written.
+fn own_files() -> impl Iterator<Item = &'static str> {
+    ALWAYS.into_iter().chain(Also::EACH.into_iter().flat_map(|it| it.files().iter().copied()))
+}
+
+/// Whether the folder is one that `plan` wrote, or empty. A place that cannot be a folder is told
+/// before the work; one that others wrote must be forced.
+fn is_ours(folder: &Path, force: bool) -> Result<bool, Failure> {
     let not_a_folder = folder.ancestors().find(|path| path.exists() && !path.is_dir());
     if let Some(file) = not_a_folder {
         return Err(Failure::Input(format!(
@@ -122,29 +149,41 @@ fn refuse_others_folder(folder: &Path, force: bool) -> Result<(), Failure> {
             file.display()
         )));
     }
-    if force || !folder.exists() {
-        return Ok(());
+    if !folder.exists() {
+        return Ok(true);
     }
     let entries = std::fs::read_dir(folder)
         .and_then(Iterator::collect::<Result<Vec<_>, _>>)
         .map_err(|error| Failure::file("use", folder, &error))?;
-    let ours =
-        |entry: &std::fs::DirEntry| FILES.iter().any(|name| entry.file_name().as_os_str() == *name);
+    let known =
+        |entry: &std::fs::DirEntry| own_files().any(|name| entry.file_name().as_os_str() == name);
     let program = PROGRAM.split(' ').next().unwrap_or(PROGRAM);
     let marked = || {
-        let text = std::fs::read(folder.join(FILES[0])).unwrap_or_default();
+        let text = std::fs::read(folder.join(TIMELINE)).unwrap_or_default();
         let value: Value = serde_json::from_slice(&text).unwrap_or_default();
         value["program"].as_str().is_some_and(|name| name.starts_with(program))
     };
-    if entries.is_empty() || (entries.iter().all(ours) && marked()) {
-        return Ok(());
+    let ours = entries.is_empty() || (entries.iter().all(known) && marked());
+    if ours || force {
+        return Ok(ours);
     }
     Err(Failure::Input(format!(
         "{} is not empty and plan did not write it: an empty or new folder is needed (or --force, \
          which overwrites {} there)",
         folder.display(),
-        FILES.join(", ")
+        ALWAYS.join(", ")
     )))
+}
+
+/// Removes products of an earlier plan that this one does not have: they would contradict it.
+fn remove_stale(folder: &Path, written: &[&str]) -> Result<(), Failure> {
+    for name in own_files().filter(|name| !written.contains(name)) {
+        let path = folder.join(name);
+        if path.exists() {
+            std::fs::remove_file(&path).map_err(|error| Failure::file("remove", &path, &error))?;
+        }
+    }
+    Ok(())
 }
 
 fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, Failure> {
@@ -295,7 +334,8 @@ fn told(
     world: &World,
     timeline: &Timeline,
     opportunities: &Opportunities,
-    (folder, resonance): (&Path, Option<&Resonance>),
+    (folder, files): (&Path, &[&str]),
+    resonance: Option<&Resonance>,
 ) -> String {
     let mission = &world.mission;
     let mut text = String::new();
@@ -356,7 +396,7 @@ fn told(
         let _ = writeln!(text, "resonance: {}\n", checked.sentence());
     }
     first_weeks(&mut text, world, timeline);
-    let _ = writeln!(text, "\nwritten to {}: {}", folder.display(), FILES.join(", "));
+    let _ = writeln!(text, "\nwritten to {}: {}", folder.display(), files.join(", "));
     text
 }
 

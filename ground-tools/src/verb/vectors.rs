@@ -93,6 +93,7 @@ fn format(shared: &SharedArgs) -> Format {
     shared.format.unwrap_or_else(|| match extension.and_then(|it| it.to_str()) {
         Some("h") => Format::C,
         Some("jsonl") => Format::Jsonl,
+        Some("parquet") => Format::Parquet,
         _ => Format::Csv,
     })
 }
@@ -130,7 +131,7 @@ fn deliver(
     let (first, second) = match format {
         Format::C => (c_header::text(set, provenance).into_bytes(), None),
         Format::Jsonl => (table(&[], &mut vectors.chain(transits))?, None),
-        Format::Csv => {
+        Format::Csv | Format::Parquet => {
             let second = table(&TRANSIT_COLUMNS, &mut transits)?;
             (table(&VECTOR_COLUMNS, &mut vectors)?, Some(second))
         }

@@ -1,0 +1,201 @@
+//! Which files a plan's folder holds, and what fills them.
+
+use super::aem::{Message, Notation};
+use super::attitude::{Motion, Span, Step};
+use super::spice::Kernels;
+use super::{periods, stk};
+use crate::calendar;
+use crate::cli::Format;
+use crate::failure::Failure;
+use crate::output::Fill;
+use crate::timeline::Timeline;
+use crate::world::World;
+use clap::ValueEnum;
+use onboard_core::sun::SunModel;
+use onboard_core::time::Instant;
+
+/// What `plan` always writes: what [`Products`] fills of it comes from here, the rest from elsewhere.
+pub const ALWAYS: [&str; 5] =
+    ["timeline.json", "timeline.csv", "timeline.ics", "attitude.aem", "uplink.tbl"];
+
+/// A product on request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum Also {
+    /// timeline.parquet: the timeline as Apache Parquet
+    Parquet,
+    /// attitude.xml: the AEM in XML
+    AemXml,
+    /// pointing-periods.csv: what is observed when, between sessions too
+    Ppl,
+    /// attitude.a and sessions.int, for STK
+    Stk,
+    /// attitude.bc, clock.tsc and frame.tf, for SPICE
+    Ck,
+    /// All of them
+    All,
+}
+
+impl Also {
+    /// Every product on request.
+    pub const EACH: [Self; 5] = [Self::Parquet, Self::AemXml, Self::Ppl, Self::Stk, Self::Ck];
+
+    /// Its files.
+    #[must_use]
+    pub const fn files(self) -> &'static [&'static str] {
+        match self {
+            Self::Parquet => &["timeline.parquet"],
+            Self::AemXml => &["attitude.xml"],
+            Self::Ppl => &["pointing-periods.csv"],
+            Self::Stk => &["attitude.a", "sessions.int"],
+            Self::Ck => &["attitude.bc", "clock.tsc", "frame.tf"],
+            Self::All => &[],
+        }
+    }
+
+    /// The products that were asked for, each once.
+    #[must_use]
+    pub fn chosen(asked: &[Self]) -> Vec<Self> {
+        let wanted = |it: &Self| asked.contains(it) || asked.contains(&Self::All);
+        Self::EACH.into_iter().filter(wanted).collect()
+    }
+}
+
+/// What the products are made from.
+#[derive(Debug)]
+pub struct Products<'p> {
+    /// The mission among the planets.
+    pub world: &'p World,
+    /// The Sun model on the table that goes on board.
+    pub sun: SunModel<'p>,
+    /// The timeline.
+    pub timeline: &'p Timeline,
+    /// When the files say they were made.
+    pub stamp: Instant,
+    /// Largest error of interpolation between samples of the attitude.
+    pub error_rad: f64,
+    /// Attitudes of the whole mission, not of the sessions alone.
+    pub whole: bool,
+    /// The spacecraft's NAIF number, negative.
+    pub spacecraft: i32,
+}
+
+impl Products<'_> {
+    /// What fills each file: those that are always there and those of `also`, in order.
+    ///
+    /// # Errors
+    /// [`Failure::Internal`] where the calendar cannot be written.
+    pub fn fills<'f>(&'f self, also: &[Also]) -> Result<Vec<(&'static str, Fill<'f>)>, Failure> {
+        let motion = self.motion();
+        let step = motion.step(self.error_rad);
+        let spans = std::rc::Rc::new(self.spans(step));
+        let calendar = calendar::write(self.timeline, self.stamp)?;
+        let mut fills: Vec<(&'static str, Fill<'f>)> = Vec::new();
+        let all = spans.clone();
+        fills.push(("timeline.ics", Box::new(move |out| Ok(out.write_all(&calendar)?))));
+        fills.push((
+            "attitude.aem",
+            Box::new(move |out| {
+                self.message(Notation::Kvn, step).write(out, &all, &|at| self.named(at))
+            }),
+        ));
+        for product in also {
+            let spans = spans.clone();
+            match product {
+                Also::All => {}
+                Also::Parquet => fills.push((
+                    "timeline.parquet",
+                    Box::new(|out| self.timeline.write_table(out, Format::Parquet)),
+                )),
+                Also::AemXml => fills.push((
+                    "attitude.xml",
+                    Box::new(move |out| {
+                        let message = self.message(Notation::Xml, step);
+                        message.write(out, &spans, &|at| self.named(at))
+                    }),
+                )),
+                Also::Ppl => fills.push((
+                    "pointing-periods.csv",
+                    Box::new(move |out| {
+                        let mission = (self.world.start, self.world.end);
+                        periods::write(out, self.timeline, &self.motion(), mission)
+                    }),
+                )),
+                Also::Stk => {
+                    fills.push((
+                        "attitude.a",
+                        Box::new(move |out| {
+                            stk::write_attitude(out, &self.motion(), &step, &spans)
+                        }),
+                    ));
+                    fills.push((
+                        "sessions.int",
+                        Box::new(|out| stk::write_intervals(out, self.timeline)),
+                    ));
+                }
+                Also::Ck => {
+                    let (clock, frame) = (spans.clone(), spans.clone());
+                    fills.push((
+                        "attitude.bc",
+                        Box::new(move |out| self.kernels(step, &spans).write_attitude(out)),
+                    ));
+                    fills.push((
+                        "clock.tsc",
+                        Box::new(move |out| self.kernels(step, &clock).write_clock(out)),
+                    ));
+                    fills.push((
+                        "frame.tf",
+                        Box::new(move |out| self.kernels(step, &frame).write_frame(out)),
+                    ));
+                }
+            }
+        }
+        Ok(fills)
+    }
+
+    fn motion(&self) -> Motion<'_> {
+        Motion { scan: &self.world.scan, sun: self.sun }
+    }
+
+    /// Where attitudes are written.
+    fn spans(&self, step: Step) -> Vec<Span> {
+        let mission = (self.world.start, self.world.end);
+        if self.whole {
+            return vec![Span::whole(mission)];
+        }
+        let sessions: Vec<(Instant, Instant)> = self
+            .timeline
+            .sessions
+            .iter()
+            .map(|it| (Instant::from_tai_ns(it.start_tai_ns), Instant::from_tai_ns(it.end_tai_ns)))
+            .collect();
+        Span::of_sessions(&sessions, mission, step.step)
+    }
+
+    fn named(&self, session: usize) -> String {
+        let it = &self.timeline.sessions[session];
+        format!("session {}: {} to {}", it.id, it.start_utc, it.end_utc)
+    }
+
+    fn message(&self, notation: Notation, step: Step) -> Message<'_> {
+        Message {
+            notation,
+            product: &self.world.mission.product,
+            provenance: &self.timeline.provenance,
+            stamp: self.stamp,
+            motion: self.motion(),
+            step,
+        }
+    }
+
+    fn kernels<'k>(&'k self, step: Step, spans: &'k [Span]) -> Kernels<'k> {
+        Kernels {
+            spacecraft: self.spacecraft,
+            product: &self.world.mission.product,
+            provenance: &self.timeline.provenance,
+            stamp: self.stamp,
+            motion: self.motion(),
+            step,
+            spans,
+        }
+    }
+}
