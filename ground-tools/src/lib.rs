@@ -41,5 +41,6 @@ pub mod history;
 pub mod scan_fit;
 pub mod demands;
 pub mod timeline;
+pub mod report;
 pub mod uplink;
 pub mod verb;

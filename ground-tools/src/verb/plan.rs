@@ -8,6 +8,7 @@ use crate::mission::schedule::Exclusive as ExclusiveKey;
 use crate::output::write_folder;
 use crate::passes::{Found, search};
 use crate::provenance::PROGRAM;
+use crate::report;
 use crate::resonance_check::{ResonanceCheck, minutes};
 use crate::sightline::{SightLine, of_plan};
 use crate::timeline::{Planned, Resonance, Timeline};
@@ -19,7 +20,7 @@ use onboard_core::time::{Duration, Instant};
 use planner::opportunity::{Opportunities, Pass};
 use planner::schedule::{
     Candidate, Conflict, Demands, Exclusive, Problem, Rules, Schedule, ScheduleError, SessionCount,
-    schedule,
+    check, schedule,
 };
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -27,7 +28,7 @@ use std::path::Path;
 
 const DEFAULT_FOLDER: &str = "gyrfalcon-plan";
 /// What `plan` writes into its folder.
-const FILES: [&str; 3] = ["timeline.json", "timeline.csv", "uplink.tbl"];
+const FILES: [&str; 4] = ["timeline.json", "timeline.csv", "uplink.tbl", "report.html"];
 /// How much of the timeline is printed.
 const SHOWN: Duration = Duration::from_ns(14 * 86_400 * 1_000_000_000);
 
@@ -73,7 +74,18 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         sessions: Some(&records),
         sequence: arguments.sequence,
     };
-    let files = [timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?];
+    let violation = check(&problem, &schedule.chosen).err().map(|it| it.to_string());
+    let page = report::page(&report::Source {
+        world: &world,
+        table,
+        lines: &lines,
+        found: &found,
+        opportunities: &opportunities,
+        timeline: &timeline,
+        violation: violation.as_deref(),
+        difference: None,
+    })?;
+    let files = [timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?, page];
     let named: Vec<(&str, &[u8])> =
         FILES.into_iter().zip(files.iter().map(Vec::as_slice)).collect();
     write_folder(&folder, &named)?;
