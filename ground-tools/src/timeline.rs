@@ -23,7 +23,7 @@ use planner::opportunity::{Opportunities, Opportunity};
 use planner::resonance::Recommendation;
 use planner::schedule::{Because, ConstraintUse, Problem, Rule, Schedule};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Everything that a timeline is made from.
@@ -59,7 +59,7 @@ pub struct Resonance {
 }
 
 /// A timeline, as `timeline.json` holds it.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Timeline {
     /// Where it comes from.
     #[serde(flatten)]
@@ -83,7 +83,7 @@ pub struct Timeline {
 }
 
 /// One session.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Session {
     /// Telescope, target and precession turn.
     pub id: String,
@@ -112,7 +112,7 @@ pub struct Session {
 }
 
 /// One pass of a session.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct SessionTransit {
     /// Detector's name, or `-` for the field of view.
     pub detector: String,
@@ -135,7 +135,7 @@ pub struct SessionTransit {
 }
 
 /// An opportunity not taken.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Rejected {
     /// The id its session would have.
     pub opportunity: String,
@@ -144,7 +144,7 @@ pub struct Rejected {
 }
 
 /// How far a rule is used.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Constraint {
     /// The rule and its place.
     pub name: String,

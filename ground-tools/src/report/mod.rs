@@ -29,6 +29,7 @@ mod difference;
 mod inputs;
 
 pub use difference::{Difference, Entry, Moved};
+pub use names::chosen;
 
 use crate::failure::Failure;
 use crate::passes::Found;

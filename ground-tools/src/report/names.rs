@@ -64,6 +64,21 @@ impl<'r> Names<'r> {
     }
 }
 
+/// Indices of the opportunities that a timeline takes, in its order.
+///
+/// # Errors
+/// [`Failure::Input`] names the session that is none of them.
+pub fn chosen(source: &Source) -> Result<Vec<usize>, Failure> {
+    let names = Names::new(source)?;
+    let by_id: BTreeMap<&str, usize> = names
+        .taken
+        .iter()
+        .enumerate()
+        .filter_map(|(index, session)| Some((session.as_ref()?.id.as_str(), index)))
+        .collect();
+    Ok(source.timeline.sessions.iter().filter_map(|it| by_id.get(&*it.id).copied()).collect())
+}
+
 /// A count as a number to calculate with.
 #[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
 pub(super) fn real(count: usize) -> f64 {

@@ -10,12 +10,6 @@
     timeline.choose(index, true);
     document.getElementById("timeline").scrollIntoView();
   }));
-  addEventListener("beforeprint", () => {
-    document.querySelectorAll("details").forEach(it => { if (!it.open) { it.dataset.shut = ""; it.open = it.closest("#sessions") === null; } });
-  });
-  addEventListener("afterprint", () => {
-    document.querySelectorAll("details[data-shut]").forEach(it => { it.open = false; delete it.dataset.shut; });
-  });
   document.documentElement.dataset.ready = "yes";
   performance.mark("ready");
 })();

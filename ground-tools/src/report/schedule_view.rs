@@ -2,7 +2,8 @@
 //! with scripts.
 //!
 //! The overview has a strip for each telescope and target: minutes in view per day, offered and used,
-//! in equal parts of the mission; each strip has its own scale, told beside it.
+//! in equal parts of the mission. Heights are square roots, so that a few minutes used show beside hours
+//! offered; each strip has its own scale, told beside it.
 
 use super::names::{Names, grouped, real};
 use super::plot::{TimeAxis, colour, n, steps};
@@ -27,15 +28,15 @@ pub(super) fn section(source: &Source, names: &Names) -> Markup {
     let strips = strips(source, names, &axis);
     html! {
         p {
-            "What the passes offer (pale) and what sessions use (solid), in minutes in view per day, each row to its own scale. "
-            span.scripted { "Below it, the same row by row in time: zoom in to minutes." }
+            "What the passes offer (pale) and what sessions use (solid), in minutes in view per day; heights are square roots, each row to its own scale. "
+            span.scripted { "Below, the same in time: zoom in to minutes." }
         }
         figure.overview #overview {
             figcaption.hidden { "Overview of the mission: minutes in view per day by telescope and target" }
             @for strip in &strips {
                 @let most = strip.offered.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
                 @let path = |values: &[f64]| {
-                    steps(&values.iter().map(|it| it / most).collect::<Vec<_>>(), BOX)
+                    steps(&values.iter().map(|it| (it / most).sqrt()).collect::<Vec<_>>(), BOX)
                 };
                 div class={ "strip " (colour(strip.target)) } {
                     span.name { span.swatch aria-hidden="true" {} (strip.telescope) " " (names.targets[strip.target]) }

@@ -13,7 +13,7 @@ pub(super) fn section(source: &Source) -> Markup {
     html! {
         p { "Start and end (UTC) hold setup and cooldown; psi is the crossing angle at closest approach, of all passes of a session. " code { "timeline.json" } " has TDB, TAI and every pass." }
         @if months.is_empty() { p { "There is no session." } }
-        @for (index, month) in months.iter().enumerate() {
+        div.months { @for (index, month) in months.iter().enumerate() {
             @let name = month.first().and_then(|it| it.start_utc.get(..7)).unwrap_or_default();
             details open[index == 0 && month.len() <= 60] {
                 summary {
@@ -31,7 +31,7 @@ pub(super) fn section(source: &Source) -> Markup {
                     }
                 }
             }
-        }
+        } }
     }
 }
 

@@ -77,7 +77,7 @@ const timeline = (() => {
     rows.forEach((_, index) => {
       if (index % 2 === 0) { pen.fillStyle = colours.stripe; pen.fillRect(0, ABOVE + index * row, width, row); }
     });
-    const most = Math.max(2, Math.floor((width - left) / (pen.measureText("2032-04-01").width + 24)));
+    const most = Math.max(3, Math.floor((width - left) / (pen.measureText("2032-04-01").width + 16)));
     let free = 0;
     pen.textAlign = "left";
     for (const tick of clock.ticks(from, until, most)) {
@@ -103,10 +103,10 @@ const timeline = (() => {
     pen.strokeRect(left + 0.5, ABOVE + 0.5, width - left - 1, height - ABOVE - 1);
     view.textContent = `${clock.utc(from).slice(0, 16)} to ${clock.utc(until).slice(0, 16)} UTC (${clock.span(until - from)})`;
     if (document.activeElement !== day) day.value = clock.date(plan.utc(from));
-    const window_ = overview.querySelectorAll(".window");
-    window_.forEach(box => {
+    overview.querySelectorAll(".window").forEach(box => {
       box.style.left = `${100 * from / plan.span}%`;
       box.style.width = `${Math.max(0.3, 100 * (until - from) / plan.span)}%`;
+      box.hidden = until - from >= plan.span;
     });
   }
 
@@ -115,7 +115,7 @@ const timeline = (() => {
     const begin = search(list.length, k => plan.first[list[k]] >= from - reach);
     const colour = colours.series[it.kind % plan.targets.length];
     const fine = second > 0.02;
-    let drawnTo = [-1, -1];
+    const drawnTo = [-1e9, -1e9];
     pen.fillStyle = colour;
     for (let k = begin; k < list.length; k++) {
       const i = list[k], index = plan.session[i];
@@ -141,10 +141,9 @@ const timeline = (() => {
           pen.fillRect(a, y, Math.max(1, b - a), tall);
         }
       } else {
-        const a = x(plan.first[i]), b = Math.max(a + 1, x(plan.end[i]));
-        if (b > drawnTo[used]) {
-          const visible = Math.max(a, drawnTo[used]);
-          pen.fillRect(visible, y, Math.max(0.5, b - visible), tall);
+        const a = Math.max(Math.floor(x(plan.first[i])), drawnTo[used]), b = Math.ceil(x(plan.end[i]));
+        if (b > a) {
+          pen.fillRect(a, y, b - a, tall);
           drawnTo[used] = b;
         }
       }

@@ -159,7 +159,7 @@ fn refuse_others_folder(folder: &Path, force: bool) -> Result<(), Failure> {
     )))
 }
 
-fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, Failure> {
+pub(super) fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, Failure> {
     found
         .iter()
         .map(|it| {
@@ -211,7 +211,7 @@ fn contradiction(world: &World, conflict: &Conflict) -> String {
     )
 }
 
-fn problem(world: &World, opportunities: &Opportunities, demands: Demands) -> Problem {
+pub(super) fn problem(world: &World, opportunities: &Opportunities, demands: Demands) -> Problem {
     let keys = &world.mission.calibration.schedule;
     let candidates = opportunities
         .list()
