@@ -60,7 +60,8 @@ fn elements(page: &str) -> Vec<String> {
         if tag.starts_with("!DOCTYPE") {
             continue;
         }
-        let name: String = tag.trim_start_matches('/').chars().take_while(|c| c.is_alphanumeric()).collect();
+        let name: String =
+            tag.trim_start_matches('/').chars().take_while(|c| c.is_alphanumeric()).collect();
         if tag.starts_with('/') {
             assert_eq!(open.pop().as_ref(), Some(&name));
         } else {
@@ -87,13 +88,23 @@ fn the_page_holds_the_plan_without_scripts_and_without_a_network() {
     let names = elements(&page);
     assert!(page.starts_with("<!DOCTYPE html><html lang=\"en\">"));
     assert_eq!(names.iter().filter(|it| *it == "h1").count(), 1);
-    for heading in
-        ["Timeline", "Sessions", "Hours in view", "Visits", "Sky tracks", "Scan angles", "Rules", "Rejected", "Inputs"]
-    {
+    for heading in [
+        "Timeline",
+        "Sessions",
+        "Hours in view",
+        "Visits",
+        "Sky tracks",
+        "Scan angles",
+        "Rules",
+        "Rejected",
+        "Inputs",
+    ] {
         assert!(text.contains(&format!("{heading}</h2>")), "{heading}");
     }
     // Alone: no address, nothing that loads.
-    for word in ["http:", "https:", "//www", "src=", "url(", "@import", "<link", "<iframe", "fetch("] {
+    for word in
+        ["http:", "https:", "//www", "src=", "url(", "@import", "<link", "<iframe", "fetch("]
+    {
         assert!(!page.contains(word), "{word}");
     }
     assert!(page.contains("default-src 'none'"));
@@ -109,20 +120,33 @@ fn the_page_holds_the_plan_without_scripts_and_without_a_network() {
     for target in attributes(&text, "href") {
         assert!(ids.contains(&target.trim_start_matches('#')), "{target}");
     }
-    for target in ["aria-labelledby", "aria-describedby", "aria-controls"].map(|it| attributes(&text, it)).concat() {
+    for target in ["aria-labelledby", "aria-describedby", "aria-controls"]
+        .map(|it| attributes(&text, it))
+        .concat()
+    {
         assert!(ids.contains(&target), "{target}");
     }
     let sessions = timeline["sessions"].as_array().unwrap();
     assert!(sessions.len() > 30);
     for session in sessions {
-        assert!(text.contains(&format!("<td>{}</td>", session["id"].as_str().unwrap())), "{session}");
+        assert!(
+            text.contains(&format!("<td>{}</td>", session["id"].as_str().unwrap())),
+            "{session}"
+        );
     }
     for key in ["mission_sha256", "kernel_sha256", "trajectory", "program", "stopped"] {
         assert!(text.contains(timeline[key].as_str().unwrap()), "{key}");
     }
     let gap = format!("{:.3} %", 100.0 * timeline["gap"].as_f64().unwrap());
     let number = sessions.len().to_string();
-    for told in [gap.as_str(), number.as_str(), "Constraint violations", "none", "pass", "max_minutes_per_day"] {
+    for told in [
+        gap.as_str(),
+        number.as_str(),
+        "Constraint violations",
+        "none",
+        "pass",
+        "max_minutes_per_day",
+    ] {
         assert!(text.contains(told), "{told}");
     }
     let rejected = timeline["rejected"].as_array().unwrap().len();

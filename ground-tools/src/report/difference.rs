@@ -136,7 +136,9 @@ mod tests {
             objective: -3.25,
         };
         let page = section(&difference).into_string();
-        for text in ["1 added, 1 dropped, 1 moved", "1\u{202f}234 kept", "MFT-&lt;b&gt;-000002", "-3.2"] {
+        for text in
+            ["1 added, 1 dropped, 1 moved", "1\u{202f}234 kept", "MFT-&lt;b&gt;-000002", "-3.2"]
+        {
             assert!(page.contains(text), "{text}");
         }
         let same = section(&Difference { kept: 1, ..Difference::default() }).into_string();

@@ -91,8 +91,9 @@ impl Sentences {
         let mut rest = sentence;
         let mut word_begins = true;
         while let Some(first) = rest.chars().next() {
-            let found =
-                if word_begins { self.id(rest) } else { None }.or_else(|| calendar(rest)).or_else(|| digits(rest));
+            let found = if word_begins { self.id(rest) } else { None }
+                .or_else(|| calendar(rest))
+                .or_else(|| digits(rest));
             let length = if let Some((part, values, length)) = found {
                 if !text.is_empty() {
                     parts.push(Part::Text(std::mem::take(&mut text)));
@@ -114,8 +115,11 @@ impl Sentences {
     }
 
     fn id(&self, text: &str) -> Option<(Part, Vec<i64>, usize)> {
-        let (class, prefix) =
-            self.prefixes.iter().enumerate().find(|(_, prefix)| text.starts_with(prefix.as_str()))?;
+        let (class, prefix) = self
+            .prefixes
+            .iter()
+            .enumerate()
+            .find(|(_, prefix)| text.starts_with(prefix.as_str()))?;
         let turn = run(&text[prefix.len()..]);
         if turn.len() < TURN_DIGITS || (turn.len() > TURN_DIGITS && turn.starts_with('0')) {
             return None;
@@ -140,7 +144,8 @@ fn digits(text: &str) -> Option<(Part, Vec<i64>, usize)> {
 
 /// A date, or a date and a time to the second.
 fn calendar(text: &str) -> Option<(Part, Vec<i64>, usize)> {
-    let number = |range: Range<usize>| text.get(range).filter(|it| run(it).len() == it.len())?.parse().ok();
+    let number =
+        |range: Range<usize>| text.get(range).filter(|it| run(it).len() == it.len())?.parse().ok();
     let is = |at: usize, letter: u8| text.as_bytes().get(at) == Some(&letter);
     if !(is(4, b'-') && is(7, b'-')) {
         return None;
@@ -150,7 +155,12 @@ fn calendar(text: &str) -> Option<(Part, Vec<i64>, usize)> {
         return None;
     }
     let date = civil_day(year, month, day);
-    let clock = || -> Option<[i64; 3]> { Some([number(11..13)?, number(14..16)?, number(17..19)?]) };
+    let (next_year, next_month) = if month == 12 { (year + 1, 1) } else { (year, month + 1) };
+    if date >= civil_day(next_year, next_month, 1) {
+        return None;
+    }
+    let clock =
+        || -> Option<[i64; 3]> { Some([number(11..13)?, number(14..16)?, number(17..19)?]) };
     if is(10, b'T')
         && is(13, b':')
         && is(16, b':')
@@ -177,7 +187,8 @@ pub(super) fn label(parts: &[Part]) -> String {
     let mut text = String::new();
     for part in parts {
         match part {
-            Part::Text(words) if text.ends_with('\u{2026}') && matches!(&**words, "." | ":" | "-" | "Z") => {}
+            Part::Text(words)
+                if text.ends_with('\u{2026}') && matches!(&**words, "." | ":" | "-" | "Z") => {}
             Part::Text(words) if text.ends_with('\u{2026}') => {
                 text.push_str(words.strip_prefix('Z').unwrap_or(words));
             }
@@ -296,7 +307,9 @@ mod tests {
         assert_eq!(reader.at, bytes.len());
         let labels: Vec<String> = sentences.templates().map(label).collect();
         assert_eq!(labels[0], "it needs \u{2026} min of \u{2026} UTC, which has \u{2026} min left");
-        assert!(labels.contains(&"the window from \u{2026} already holds \u{2026} sessions".to_owned()));
+        assert!(
+            labels.contains(&"the window from \u{2026} already holds \u{2026} sessions".to_owned())
+        );
     }
 
     #[test]

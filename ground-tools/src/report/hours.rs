@@ -1,8 +1,8 @@
 //! How long is each target in view: used and offered, by telescope.
 
+use super::Source;
 use super::names::{Names, grouped, total};
 use super::plot::{colour, n};
-use super::Source;
 use maud::{Markup, html};
 
 pub(super) fn section(source: &Source, names: &Names) -> Markup {
@@ -18,15 +18,17 @@ pub(super) fn section(source: &Source, names: &Names) -> Markup {
                 && telescope.is_none_or(|index| it.telescope == names.telescopes[index])
         })
     };
-    let used = |target, telescope| {
-        total(sessions(target, telescope).map(|it| it.dwell_s)) / 3600.0
-    };
+    let used = |target, telescope| total(sessions(target, telescope).map(|it| it.dwell_s)) / 3600.0;
     let rows: Vec<usize> = (0..names.targets.len()).collect();
     let most = rows.iter().map(|&it| offered(it, None)).fold(f64::MIN_POSITIVE, f64::max);
     let width = |hours: f64| format!("width:{}%", n(100.0 * hours / most));
     let all = |of: &dyn Fn(usize) -> f64| total(rows.iter().map(|&it| of(it)));
     let percent = |used: f64, offered: f64| {
-        if offered > 0.0 { format!("{:.1} %", 100.0 * used / offered) } else { "\u{2013}".to_owned() }
+        if offered > 0.0 {
+            format!("{:.1} %", 100.0 * used / offered)
+        } else {
+            "\u{2013}".to_owned()
+        }
     };
     html! {
         p { "Time with the target inside a telescope's field of view; detectors that see it together count once. The bar is what the passes offer, its filled part what sessions use." }

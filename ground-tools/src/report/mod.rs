@@ -87,13 +87,9 @@ struct Section {
 /// does not serve its own span.
 pub fn page(source: &Source) -> Result<Vec<u8>, Failure> {
     let names = Names::new(source)?;
-    let mut data = opportunity_data::Data::new(source, &names)?;
+    let data = opportunity_data::Data::new(source, &names)?;
     let mut sections = vec![
-        Section {
-            id: "timeline",
-            title: "Timeline",
-            body: schedule_view::section(source, &names),
-        },
+        Section { id: "timeline", title: "Timeline", body: schedule_view::section(source, &names) },
         Section { id: "sessions", title: "Sessions", body: session_table::section(source) },
     ];
     if let Some(difference) = source.difference {
@@ -109,7 +105,7 @@ pub fn page(source: &Source) -> Result<Vec<u8>, Failure> {
         Section {
             id: "rejected",
             title: "Rejected",
-            body: rejections::section(source, &mut data),
+            body: rejections::section(source, &names, &data),
         },
         Section { id: "inputs", title: "Inputs", body: inputs::section(source) },
     ]);

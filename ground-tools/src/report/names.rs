@@ -24,8 +24,12 @@ impl<'r> Names<'r> {
             source.world.mission.telescopes.iter().map(|it| &*it.name).collect();
         let targets: Vec<&str> = source.world.targets.iter().map(|it| it.name()).collect();
         let list = source.opportunities.list();
-        let mut names =
-            Self { telescopes, targets, taken: vec![None; list.len()], because: vec![""; list.len()] };
+        let mut names = Self {
+            telescopes,
+            targets,
+            taken: vec![None; list.len()],
+            because: vec![""; list.len()],
+        };
         let known: BTreeMap<String, usize> =
             list.iter().enumerate().map(|(index, it)| (names.id(it), index)).collect();
         let find = |id: &str| {

@@ -9,9 +9,9 @@
 //! at start and at end in ms beyond 32184, number of passes, least and largest psi in tenths of a degree.
 //! Then the reason.
 
+use super::Source;
 use super::encoding::{Part, Sentences, push, push_signed};
 use super::names::Names;
-use super::Source;
 use crate::failure::Failure;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -141,8 +141,9 @@ impl Writer<'_, '_> {
     }
 
     fn push(&mut self, number: i64) -> Result<(), Failure> {
-        let number = u64::try_from(number)
-            .map_err(|_| Failure::internal(format!("{number} stands for a length in the report")))?;
+        let number = u64::try_from(number).map_err(|_| {
+            Failure::internal(format!("{number} stands for a length in the report"))
+        })?;
         push(&mut self.bytes, number);
         Ok(())
     }

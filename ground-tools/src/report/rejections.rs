@@ -2,28 +2,20 @@
 //!
 //! Reasons are counted by what they say, leaving ids, dates and numbers out.
 
-use super::encoding::label;
-use super::names::{grouped, total};
-use super::opportunity_data::Data;
 use super::Source;
+use super::encoding::label;
+use super::names::{Names, grouped, total};
+use super::opportunity_data::Data;
 use maud::{Markup, html};
 use std::collections::BTreeMap;
 
-pub(super) fn section(source: &Source, data: &mut Data) -> Markup {
+pub(super) fn section(source: &Source, names: &Names, data: &Data) -> Markup {
     let list = source.opportunities.list();
     let mut reasons: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-    let taken: std::collections::BTreeSet<&str> =
-        source.timeline.sessions.iter().map(|it| &*it.id).collect();
     let labels: Vec<String> = data.templates.iter().map(|it| label(it)).collect();
     let mission = &source.world.mission;
-    for (index, it) in list.iter().enumerate() {
-        let id = format!(
-            "{}-{}-{:06}",
-            mission.telescopes[it.telescope].name,
-            source.world.targets[it.target].name(),
-            it.turn
-        );
-        if !taken.contains(&*id) {
+    for index in 0..list.len() {
+        if names.taken[index].is_none() {
             reasons.entry(labels[data.template[index]].clone()).or_default().push(index);
         }
     }

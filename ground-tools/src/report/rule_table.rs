@@ -8,9 +8,9 @@
 //!
 //! Limits: a price holds for small changes; the sum over a group is an estimate, not a bound.
 
+use super::Source;
 use super::names::{grouped, real, total};
 use super::plot::{n, steps};
-use super::Source;
 use crate::timeline::Constraint;
 use maud::{Markup, PreEscaped, html};
 
@@ -164,10 +164,11 @@ fn row(it: &Constraint, step: Step, objective: f64) -> Markup {
     let place = it.name.split_once(' ').map_or("", |(_, place)| place);
     let place = place.trim_end_matches("(s)").trim_end_matches("(days)").trim();
     // Nanoseconds of an instant say nothing here.
-    let place = place.split('.').next().filter(|_| place.ends_with('Z')).map_or_else(
-        || place.to_owned(),
-        |cut| format!("{}Z", cut.replace('T', " ")),
-    );
+    let place = place
+        .split('.')
+        .next()
+        .filter(|_| place.ends_with('Z'))
+        .map_or_else(|| place.to_owned(), |cut| format!("{}Z", cut.replace('T', " ")));
     html! { tr {
         th scope="row" { @if place.is_empty() { "the mission" } @else { (place) } }
         td.num { (told(it, it.used)) } td.num { (told(it, it.limit)) }
@@ -207,9 +208,12 @@ mod tests {
 
     #[test]
     fn rules_keep_their_order_and_their_units() {
-        let rows =
-            ["max_minutes_per_day 2032-04-01 (s)", "max_sessions from x", "max_minutes_per_day b (s)"]
-                .map(|name| row_of(name, 0.0));
+        let rows = [
+            "max_minutes_per_day 2032-04-01 (s)",
+            "max_sessions from x",
+            "max_minutes_per_day b (s)",
+        ]
+        .map(|name| row_of(name, 0.0));
         let found: Vec<(&str, usize)> =
             groups(&rows).iter().map(|it| (it.rule, it.rows.len())).collect();
         assert_eq!(found, [("max_minutes_per_day", 2), ("max_sessions", 1)]);

@@ -4,9 +4,9 @@
 //! `|<exp(i n psi)>|` is 0 where angles are spread evenly in the sense of n, 1 where all are the same:
 //! what cross-linking leaves of a spin-n systematic.
 
+use super::Source;
 use super::names::{Names, grouped, real, total};
 use super::plot::{colour, n};
-use super::Source;
 use crate::timeline::SessionTransit;
 use maud::{Markup, PreEscaped, html};
 use std::fmt::Write;
@@ -155,7 +155,8 @@ mod tests {
 
     #[test]
     fn every_angle_has_its_sector() {
-        let angles = [(0.0, 0), (9.99, 0), (10.0, 1), (90.0, 9), (180.0, 18), (-10.0, 35), (-1e-20, 0)];
+        let angles =
+            [(0.0, 0), (9.99, 0), (10.0, 1), (90.0, 9), (180.0, 18), (-10.0, 35), (-1e-20, 35)];
         for (psi, sector) in angles {
             let times = sectors(&[&pass(psi, 1.0)]);
             assert!(times[sector] > 0.0, "{psi}");

@@ -1,8 +1,8 @@
 //! Every session, month by month, for those who read or print without scripts.
 
+use super::Source;
 use super::names::{grouped, second, total};
 use super::opportunity_data::psi_range;
-use super::Source;
 use crate::timeline::Session;
 use maud::{Markup, html};
 
@@ -39,11 +39,8 @@ fn row(it: &Session) -> Markup {
     let (start, end) = (second(&it.start_utc), second(&it.end_utc));
     let same_day = start.get(..10) == end.get(..10);
     let (low, high) = psi_range(it);
-    let psi = if high - low < 0.05 {
-        format!("{low:.1}")
-    } else {
-        format!("{low:.1} to {high:.1}")
-    };
+    let psi =
+        if high - low < 0.05 { format!("{low:.1}") } else { format!("{low:.1} to {high:.1}") };
     html! { tr {
         td { (it.id) }
         td { (start) }

@@ -54,7 +54,7 @@ const timeline = (() => {
     pen.font = colours.font;
     const size = parseFloat(getComputedStyle(chart).fontSize);
     row = Math.round(size * 1.9);
-    left = Math.ceil(Math.max(0, ...rows.map(it => pen.measureText(it.name).width))) + 14;
+    left = Math.ceil(Math.max(0, ...rows.map(it => pen.measureText(it.name).width), pen.measureText("2032-04-01").width)) + 14;
   }
 
   function resize() {
@@ -98,6 +98,7 @@ const timeline = (() => {
     rows.forEach((it, index) => drawRow(it, ABOVE + index * row, second));
     pen.restore();
     pen.fillStyle = colours.ink;
+    if (until - from < 2 * 86400) pen.fillText(clock.utc(from).slice(0, 10), 4, ABOVE / 2);
     rows.forEach((it, index) => pen.fillText(it.name, 4, ABOVE + (index + 0.5) * row));
     pen.strokeStyle = colours.faint;
     pen.strokeRect(left + 0.5, ABOVE + 0.5, width - left - 1, height - ABOVE - 1);

@@ -13,14 +13,14 @@ use tempfile::TempDir;
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A browser with one page.
-pub struct Chromium {
+pub(crate) struct Chromium {
     child: Child,
     to: ChildStdin,
     from: BufReader<ChildStdout>,
     page: String,
     last: u64,
     /// What the page told without being asked.
-    pub events: Vec<Value>,
+    pub(crate) events: Vec<Value>,
     _profile: TempDir,
 }
 
@@ -34,11 +34,17 @@ fn program() -> &'static str {
 
 impl Chromium {
     /// A fresh browser with an empty page of this size.
-    pub fn start(width: u32, height: u32) -> Self {
+    pub(crate) fn start(width: u32, height: u32) -> Self {
         let profile = tempfile::tempdir().unwrap();
         let mut child = Command::new("sh")
             .args(["-c", "exec \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1", "sh", program()])
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-quic",
+                "--no-first-run",
+            ])
             .args(["--disable-background-networking", "--disable-component-update"])
             .args(["--disable-sync", "--disable-dev-shm-usage", "--remote-debugging-pipe"])
             .arg(format!("--window-size={width},{height}"))
@@ -47,12 +53,14 @@ impl Chromium {
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
-        let (to, from) = (child.stdin.take().unwrap(), BufReader::new(child.stdout.take().unwrap()));
+        let (to, from) =
+            (child.stdin.take().unwrap(), BufReader::new(child.stdout.take().unwrap()));
         let page = String::new();
         let mut it = Self { child, to, from, page, last: 0, events: Vec::new(), _profile: profile };
         let target = it.ask("Target.createTarget", &json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
-        it.page = it.ask("Target.attachToTarget", &attach)["sessionId"].as_str().unwrap().to_owned();
+        it.page =
+            it.ask("Target.attachToTarget", &attach)["sessionId"].as_str().unwrap().to_owned();
         for domain in ["Page.enable", "Runtime.enable", "Log.enable", "Network.enable"] {
             it.ask(domain, &json!({}));
         }
@@ -60,7 +68,7 @@ impl Chromium {
     }
 
     /// Asks for something to be done; gives its result.
-    pub fn ask(&mut self, method: &str, parameters: &Value) -> Value {
+    pub(crate) fn ask(&mut self, method: &str, parameters: &Value) -> Value {
         self.last += 1;
         let mut message = json!({ "id": self.last, "method": method, "params": parameters });
         if !self.page.is_empty() {
@@ -86,33 +94,34 @@ impl Chromium {
     }
 
     /// Opens a file and waits until its script has run.
-    pub fn open(&mut self, file: &Path) {
+    pub(crate) fn open(&mut self, file: &Path) {
         self.events.clear();
         self.ask("Page.navigate", &json!({ "url": format!("file://{}", file.display()) }));
         self.wait("document.documentElement.dataset.ready === 'yes'");
     }
 
     /// The value of an expression.
-    pub fn value(&mut self, expression: &str) -> Value {
-        let asked = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
+    pub(crate) fn value(&mut self, expression: &str) -> Value {
+        let asked =
+            json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
         let answer = self.ask("Runtime.evaluate", &asked);
         assert!(answer["exceptionDetails"].is_null(), "{expression}: {answer}");
         answer["result"]["value"].clone()
     }
 
     /// The number that an expression is.
-    pub fn number(&mut self, expression: &str) -> f64 {
+    pub(crate) fn number(&mut self, expression: &str) -> f64 {
         let value = self.value(expression);
         value.as_f64().unwrap_or_else(|| panic!("{expression} is {value}"))
     }
 
     /// The text that an expression is.
-    pub fn text(&mut self, expression: &str) -> String {
+    pub(crate) fn text(&mut self, expression: &str) -> String {
         self.value(expression).as_str().unwrap_or_default().to_owned()
     }
 
     /// Waits until a condition holds.
-    pub fn wait(&mut self, condition: &str) {
+    pub(crate) fn wait(&mut self, condition: &str) {
         let begun = Instant::now();
         while self.value(condition) != json!(true) {
             assert!(begun.elapsed() < PATIENCE, "{condition} did not come true");
@@ -121,7 +130,7 @@ impl Chromium {
     }
 
     /// Presses a key.
-    pub fn press(&mut self, key: &str) {
+    pub(crate) fn press(&mut self, key: &str) {
         let text = if key.chars().count() == 1 { key } else { "" };
         let down = json!({ "type": "keyDown", "key": key, "text": text });
         self.ask("Input.dispatchKeyEvent", &down);
@@ -130,7 +139,7 @@ impl Chromium {
     }
 
     /// Does something with the mouse at a point of the window.
-    pub fn mouse(&mut self, kind: &str, (x, y): (f64, f64), wheel: f64) {
+    pub(crate) fn mouse(&mut self, kind: &str, (x, y): (f64, f64), wheel: f64) {
         let buttons = u8::from(kind != "mouseWheel" && kind != "mouseReleased");
         let event = json!({
             "type": kind, "x": x, "y": y, "button": if kind == "mouseWheel" { "none" } else { "left" },
@@ -141,8 +150,10 @@ impl Chromium {
     }
 
     /// Clicks on the middle of an element.
-    pub fn click(&mut self, selector: &str) {
-        self.value(&format!("document.querySelector({selector:?}).scrollIntoView({{block: 'center'}})"));
+    pub(crate) fn click(&mut self, selector: &str) {
+        self.value(&format!(
+            "document.querySelector({selector:?}).scrollIntoView({{block: 'center'}})"
+        ));
         let middle = self.value(&format!(
             "(r => [r.left + r.width / 2, r.top + r.height / 2])(document.querySelector({selector:?}).getBoundingClientRect())"
         ));
@@ -152,12 +163,12 @@ impl Chromium {
     }
 
     /// Waits until what was asked for is on the screen.
-    pub fn drawn(&mut self) {
+    pub(crate) fn drawn(&mut self) {
         self.value("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))");
     }
 
     /// A picture of the window as PNG.
-    pub fn picture(&mut self) -> Vec<u8> {
+    pub(crate) fn picture(&mut self) -> Vec<u8> {
         use base64::Engine;
         let answer = self.ask("Page.captureScreenshot", &json!({ "format": "png" }));
         base64::engine::general_purpose::STANDARD.decode(answer["data"].as_str().unwrap()).unwrap()

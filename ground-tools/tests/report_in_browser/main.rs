@@ -28,7 +28,10 @@ fn plan(settings: &[&str]) -> (TempDir, PathBuf, Value) {
 fn quiet(browser: &Chromium, page: &Path) {
     for event in &browser.events {
         let method = event["method"].as_str().unwrap_or_default();
-        assert!(method != "Runtime.exceptionThrown" && method != "Runtime.consoleAPICalled", "{event}");
+        assert!(
+            method != "Runtime.exceptionThrown" && method != "Runtime.consoleAPICalled",
+            "{event}"
+        );
         assert!(method != "Log.entryAdded", "{event}");
         if method == "Network.requestWillBeSent" {
             let url = event["params"]["request"]["url"].as_str().unwrap();
@@ -86,7 +89,10 @@ fn the_timeline_zooms_by_key_button_wheel_and_drag() {
 
     // Every session can be reached; its details are the timeline's.
     browser.press("Home");
-    assert_eq!(browser.number("plan.sessions.length"), f64::from(u32::try_from(sessions.len()).unwrap()));
+    assert_eq!(
+        browser.number("plan.sessions.length"),
+        f64::from(u32::try_from(sessions.len()).unwrap())
+    );
     for (index, session) in sessions.iter().enumerate() {
         browser.value(&format!("timeline.choose({index}, true)"));
         let told = browser.text("document.getElementById('details').textContent");
@@ -96,7 +102,11 @@ fn the_timeline_zooms_by_key_button_wheel_and_drag() {
             &format!("{} UTC, {} TDB", time("start_utc"), time("start_tdb")),
             &format!("{} UTC, {} TDB", time("end_utc"), time("end_tdb")),
             session["reason"].as_str().unwrap(),
-            &format!("passes{}in view{:.1} s", session["transits"].as_array().unwrap().len(), session["dwell_s"].as_f64().unwrap()),
+            &format!(
+                "passes{}in view{:.1} s",
+                session["transits"].as_array().unwrap().len(),
+                session["dwell_s"].as_f64().unwrap()
+            ),
         ] {
             assert!(told.contains(words), "{words} in {told}");
         }
@@ -111,17 +121,24 @@ fn the_timeline_zooms_by_key_button_wheel_and_drag() {
     assert_eq!(browser.number("timeline.chosen()"), middle);
 
     // A session in a table leads to the timeline.
-    browser.value("document.querySelectorAll('#sessions details').forEach(it => { it.open = true; })");
+    browser
+        .value("document.querySelectorAll('#sessions details').forEach(it => { it.open = true; })");
     browser.click("table.sessions tbody tr:nth-child(3) td");
     let id = browser.text("document.querySelector('#details h3').textContent");
-    assert_eq!(id, browser.text("document.querySelector('table.sessions tbody tr:nth-child(3)').cells[0].textContent"));
+    assert_eq!(
+        id,
+        browser.text(
+            "document.querySelector('table.sessions tbody tr:nth-child(3)').cells[0].textContent"
+        )
+    );
     quiet(&browser, &page);
 }
 
 #[test]
 #[ignore = "needs Chromium"]
 fn rejected_opportunities_are_all_there_and_filtered() {
-    let (_folder, page, timeline) = plan(&["span.duration_days=14", "calibration.schedule.max_minutes_per_day=60"]);
+    let (_folder, page, timeline) =
+        plan(&["span.duration_days=14", "calibration.schedule.max_minutes_per_day=60"]);
     let rejected = timeline["rejected"].as_array().unwrap();
     let mut browser = Chromium::start(1440, 900);
     browser.open(&page);
@@ -137,7 +154,9 @@ fn rejected_opportunities_are_all_there_and_filtered() {
     expected.sort();
     assert_eq!(told, expected);
 
-    let count = |text: &str| expected.iter().filter(|it| it.0.contains(text) || it.1.contains(text)).count();
+    let count = |text: &str| {
+        expected.iter().filter(|it| it.0.contains(text) || it.1.contains(text)).count()
+    };
     browser.click("#by-text");
     for letter in ["H", "F", "T", "-", "j"] {
         browser.press(letter);
@@ -152,9 +171,15 @@ fn rejected_opportunities_are_all_there_and_filtered() {
     browser.click("#filters [type=reset]");
     browser.wait(&format!("rejected.count() === {}", expected.len()));
     browser.click("[data-page=last]");
-    let id = browser.text("document.querySelector('#rejected-list tbody tr:last-child').cells[0].textContent");
+    let id = browser
+        .text("document.querySelector('#rejected-list tbody tr:last-child').cells[0].textContent");
     browser.click("[data-page=first]");
-    assert_ne!(id, browser.text("document.querySelector('#rejected-list tbody tr:last-child').cells[0].textContent"));
+    assert_ne!(
+        id,
+        browser.text(
+            "document.querySelector('#rejected-list tbody tr:last-child').cells[0].textContent"
+        )
+    );
 
     // Each reason that can be chosen has as many as the table says.
     let reasons = browser.number("document.getElementById('by-reason').options.length - 1");
@@ -184,9 +209,7 @@ fn brightness(png: &[u8]) -> f64 {
 fn dark_print_and_phone_are_legible() {
     let (_folder, page, _) = plan(&["span.duration_days=30"]);
     let mut browser = Chromium::start(1440, 900);
-    let media = |media: &str, scheme: &str| {
-        json!({ "media": media, "features": [{ "name": "prefers-color-scheme", "value": scheme }] })
-    };
+    let media = |media: &str, scheme: &str| json!({ "media": media, "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
     let mut seen = Vec::new();
     for (kind, scheme) in [("screen", "light"), ("screen", "dark"), ("print", "dark")] {
         browser.ask("Emulation.setEmulatedMedia", &media(kind, scheme));
@@ -207,7 +230,8 @@ fn dark_print_and_phone_are_legible() {
 
     browser.ask("Emulation.setEmulatedMedia", &media("screen", "light"));
     for width in [320, 390, 1440, 2560] {
-        let metrics = json!({ "width": width, "height": 844, "deviceScaleFactor": 1, "mobile": width < 500 });
+        let metrics =
+            json!({ "width": width, "height": 844, "deviceScaleFactor": 1, "mobile": width < 500 });
         browser.ask("Emulation.setDeviceMetricsOverride", &metrics);
         browser.open(&page);
         browser.value("timeline.choose(3, true); document.querySelectorAll('details').forEach(it => { it.open = true; })");
