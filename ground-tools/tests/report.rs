@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-const HOSTILE: &str = "<b>\"&'</script><!--";
+const HOSTILE: &str = "<b>&amp;<!--<script>]]>";
 /// A fortnight in which Jupiter is seen.
 const SPAN: &str = "span.duration_days=14";
 
@@ -163,7 +163,7 @@ fn names_are_words_never_markup() {
     let (page, timeline) = plan(&folder.path().join("a"), &["span.duration_days=3", &name]);
     assert_eq!(timeline["mission"], HOSTILE);
     elements(&page);
-    assert!(page.contains("<h1>&lt;b&gt;&quot;&amp;'&lt;/script&gt;&lt;!-- <span"));
+    assert!(page.contains("<h1>&lt;b&gt;&amp;amp;&lt;!--&lt;script&gt;]]&gt; <span"));
     assert!(!page.contains(HOSTILE) && !page.contains("<b>"));
 }
 

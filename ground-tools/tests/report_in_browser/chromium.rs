@@ -97,7 +97,7 @@ impl Chromium {
     pub(crate) fn open(&mut self, file: &Path) {
         self.events.clear();
         self.ask("Page.navigate", &json!({ "url": format!("file://{}", file.display()) }));
-        self.wait("document.documentElement.dataset.ready === 'yes'");
+        self.wait("document.documentElement?.dataset.ready === 'yes'");
     }
 
     /// The value of an expression.

@@ -35,7 +35,9 @@ fn quiet(browser: &Chromium, page: &Path) {
         assert!(method != "Log.entryAdded", "{event}");
         if method == "Network.requestWillBeSent" {
             let url = event["params"]["request"]["url"].as_str().unwrap();
-            assert_eq!(url, format!("file://{}", page.display()));
+            // The browser draws its own controls with pictures that it holds as data.
+            let own = url == format!("file://{}", page.display()) || url.starts_with("data:");
+            assert!(own, "{url}");
         }
     }
 }
