@@ -2,7 +2,7 @@
 // The plan out of the page's data; opportunity_data.rs says what the stream holds.
 const plan = (() => {
   const source = JSON.parse(document.getElementById("data").textContent);
-  const text = atob(source.stream);
+  let text = atob(source.stream);
   const count = source.count;
   const first = new Float64Array(count), end = new Float64Array(count);
   const dwell = new Float64Array(count), turn = new Float64Array(count);
@@ -63,17 +63,28 @@ const plan = (() => {
         passes: number(), psi: [signed() / 10, signed() / 10],
       });
     }
-    template[i] = number();
-    holesAt[i] = holes.length;
-    const before = last[template[i]];
-    for (let j = 0; j < holeCounts[template[i]]; j++) {
-      before[j] = (before[j] || 0) + signed();
-      holes.push(before[j]);
-    }
   }
   timesAt[count] = times.length;
   sessions.sort((a, b) => a.start - b.start || a.opportunity - b.opportunity);
   sessions.forEach((it, index) => { ofOpportunity[it.opportunity] = index; });
+
+  // The reasons, all at once when the first is asked for.
+  let read = false;
+  function readReasons() {
+    if (read) return;
+    read = true;
+    text = atob(source.reasons);
+    at = 0;
+    for (let i = 0; i < count; i++) {
+      template[i] = number();
+      holesAt[i] = holes.length;
+      const before = last[template[i]];
+      for (let j = 0; j < holeCounts[template[i]]; j++) {
+        before[j] = (before[j] || 0) + signed();
+        holes.push(before[j]);
+      }
+    }
+  }
 
   const targets = source.targets.length;
   const pad = (value, width) => String(value).padStart(width, "0");
@@ -83,7 +94,7 @@ const plan = (() => {
 
   return {
     telescopes: source.telescopes, targets: source.targets, span: source.span_s, count, sessions,
-    first, end, dwell, kind, template, times, timesAt, marks: source.marks, templates: source.templates,
+    first, end, dwell, kind, times, timesAt, marks: source.marks, templates: source.templates,
     // The session of an opportunity, or -1.
     session: ofOpportunity,
     target: i => kind[i] % targets,
@@ -102,8 +113,13 @@ const plan = (() => {
       // TAI since 2000-01-01T12:00:00 TAI to days of 86,400 s since 1970.
       return iso(Math.round(ms) + 946728000000 + 32184 + session.tdb[which]).slice(0, 19).replace("T", " ");
     },
+    template(i) {
+      readReasons();
+      return template[i];
+    },
     // The sentence of an opportunity.
     reason(i) {
+      readReasons();
       let at = holesAt[i], words = "";
       for (const part of source.templates[template[i]]) {
         if (typeof part === "string") words += part;

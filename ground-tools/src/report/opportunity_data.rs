@@ -1,13 +1,13 @@
 //! The opportunities, their times in view, sessions and reasons, as the page's script reads them.
 //!
-//! A JSON object: names, the span, UTC less TAI, templates of sentences, and `stream`, base64 of the
-//! numbers of [`encoding`](super::encoding). For each opportunity by first entry, seconds from the
+//! A JSON object: names, the span, UTC less TAI, templates of sentences, and two streams, base64 of the
+//! numbers of [`encoding`](super::encoding). `reasons` has the sentence of each opportunity, read when
+//! the first is asked for. `stream` has for each opportunity by first entry, seconds from the
 //! mission's start: first entry less the last one's; 2 class + (1 if taken); turn less the last one's;
 //! number of times in view, each its length, from the second on after its start less the start before
 //! and a spin period; dwell in tenths of a second less the sum of lengths. If taken: first entry in ms
 //! less the whole seconds, setup and cooldown in ms, last exit in ms less the whole seconds, TDB less TAI
 //! at start and at end in ms beyond 32184, number of passes, least and largest psi in tenths of a degree.
-//! Then the reason.
 
 use super::Source;
 use super::encoding::{Part, Sentences, push, push_signed};
@@ -44,6 +44,7 @@ impl Data {
             names,
             sentences: Sentences::new(prefixes),
             bytes: Vec::new(),
+            reasons: Vec::new(),
             last: (0, 0),
         };
         let list = source.opportunities.list();
@@ -65,6 +66,7 @@ impl Data {
             "templates": writer.sentences.templates().map(written).collect::<Vec<_>>(),
             "marks": marks,
             "stream": STANDARD.encode(&writer.bytes),
+            "reasons": STANDARD.encode(&writer.reasons),
         });
         let templates = writer.sentences.templates().map(<[Part]>::to_vec).collect();
         Ok(Self { value, template, templates })
@@ -121,6 +123,7 @@ struct Writer<'w, 'r> {
     names: &'w Names<'r>,
     sentences: Sentences,
     bytes: Vec<u8>,
+    reasons: Vec<u8>,
     /// Second and turn of the opportunity before.
     last: (i64, i64),
 }
@@ -174,7 +177,7 @@ impl Writer<'_, '_> {
         }
         self.push_signed(nearest(it.dwell.seconds() * 10.0) - 10 * lengths);
         let Some(session) = session else {
-            return Ok(self.sentences.push(&mut self.bytes, self.names.because[index]));
+            return Ok(self.sentences.push(&mut self.reasons, self.names.because[index]));
         };
         let ends = [session.start_tai_ns, session.end_tai_ns].map(Instant::from_tai_ns);
         let first = self.ms(it.first_entry);
@@ -190,7 +193,7 @@ impl Writer<'_, '_> {
         let (low, high) = psi_range(session);
         self.push_signed(nearest(10.0 * low));
         self.push_signed(nearest(10.0 * high));
-        Ok(self.sentences.push(&mut self.bytes, &session.reason))
+        Ok(self.sentences.push(&mut self.reasons, &session.reason))
     }
 
     /// The seconds in view: passes that touch or overlap as one.

@@ -30,7 +30,7 @@ const rejected = (() => {
     found = all.filter((i, k) =>
       (target.value === "" || plan.target(i) === Number(target.value)) &&
       (telescope.value === "" || plan.telescope(i) === Number(telescope.value)) &&
-      (reason.value === "" || labels[plan.template[i]] === reason.value) &&
+      (reason.value === "" || labels[plan.template(i)] === reason.value) &&
       (!words || sentences[k].includes(words)));
     page = 0;
     show();
@@ -63,6 +63,7 @@ const rejected = (() => {
     page = { first: 0, before: page - 1, next: page + 1, last: Infinity }[button.dataset.page];
     show();
   }));
-  show();
+  const soon = window.requestIdleCallback || (done => setTimeout(done, 50));
+  soon(show);
   return { count: () => found.length };
 })();
