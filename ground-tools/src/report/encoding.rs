@@ -39,7 +39,6 @@ pub(super) fn push(bytes: &mut Vec<u8>, mut number: u64) {
     bytes.push(low_bits(number));
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "seven bits")]
 const fn low_bits(number: u64) -> u8 {
     (number & 127) as u8
 }
@@ -203,6 +202,7 @@ pub(super) fn label(parts: &[Part]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fmt::Write;
 
     /// A plain reader of what was written.
     struct Reader<'b> {
@@ -248,16 +248,18 @@ mod tests {
                     Part::Text(words) => text += &words,
                     Part::Id => {
                         let class = usize::try_from(next(self)).unwrap();
-                        text += &format!("{}{:06}", sentences.prefixes[class], next(self));
+                        let turn = next(self);
+                        write!(text, "{}{turn:06}", sentences.prefixes[class]).unwrap();
                     }
                     Part::Date => text += &date(next(self)),
                     Part::Time => {
                         let at = next(self);
                         let s = at % 86_400;
                         text += &date(at / 86_400);
-                        text += &format!("T{:02}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+                        let [hour, minute, second] = [s / 3600, s / 60 % 60, s % 60];
+                        write!(text, "T{hour:02}:{minute:02}:{second:02}").unwrap();
                     }
-                    Part::Digits(width) => text += &format!("{:0width$}", next(self)),
+                    Part::Digits(width) => write!(text, "{:0width$}", next(self)).unwrap(),
                 }
             }
             text
@@ -316,7 +318,9 @@ mod tests {
     fn numbers_of_every_size_come_back() {
         let mut bytes = Vec::new();
         let numbers = [0, 1, -1, 63, -64, 64, 127, 128, 1 << 40, -(1 << 52)];
-        numbers.iter().for_each(|&number| push_signed(&mut bytes, number));
+        for number in numbers {
+            push_signed(&mut bytes, number);
+        }
         assert_eq!(bytes.iter().take_while(|byte| **byte < 128).count(), 5);
         let mut reader = Reader { bytes: &bytes, at: 0, last: BTreeMap::new() };
         assert_eq!(numbers.map(|_| reader.signed()), numbers);

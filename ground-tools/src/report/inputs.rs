@@ -8,7 +8,7 @@ pub(super) fn section(source: &Source) -> Markup {
     let schedule = &mission.calibration.schedule;
     let files = [
         ("contacts", schedule.data.as_ref().map(|it| it.contacts.text())),
-        ("blackouts", schedule.blackouts.as_ref().map(|it| it.text())),
+        ("blackouts", schedule.blackouts.as_ref().map(crate::mission::FilePath::text)),
     ];
     html! {
         div.scroll tabindex="0" role="region" aria-label="Inputs" {

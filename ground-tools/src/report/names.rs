@@ -22,7 +22,8 @@ impl<'r> Names<'r> {
     pub(super) fn new(source: &Source<'r>) -> Result<Self, Failure> {
         let telescopes: Vec<&str> =
             source.world.mission.telescopes.iter().map(|it| &*it.name).collect();
-        let targets: Vec<&str> = source.world.targets.iter().map(|it| it.name()).collect();
+        let targets: Vec<&str> =
+            source.world.targets.iter().map(ephem::source::Source::name).collect();
         let list = source.opportunities.list();
         let mut names = Self {
             telescopes,

@@ -15,6 +15,7 @@ use maud::{Markup, PreEscaped, html};
 use planner::visits::Visit;
 use planner::visits::counting::Counting;
 use planner::visits::statistics::VisitStatistics;
+use std::fmt::Write;
 
 /// Parts of the mission in which visits are counted.
 const PARTS: usize = 72;
@@ -136,7 +137,8 @@ fn revisits(source: &Source, target: &str, told: &VisitStatistics) -> Markup {
     let mut bars = String::new();
     for (edge, &count) in edges.zip(&histogram.counts).filter(|it| *it.1 > 0) {
         let (left, right, up) = (x(edge[0]), x(edge[1]), height(count));
-        bars += &format!("M{} {}H{}v{}H{}Z", n(left), n(PLOT.1), n(right), n(-up), n(left));
+        let [left, right] = [left, right].map(n);
+        let _ = write!(bars, "M{left} {}H{right}v{}H{left}Z", n(PLOT.1), n(-up));
     }
     let decades: Vec<f64> = {
         let mut at = least;

@@ -59,8 +59,8 @@ impl Chromium {
         let mut it = Self { child, to, from, page, last: 0, events: Vec::new(), _profile: profile };
         let target = it.ask("Target.createTarget", &json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
-        it.page =
-            it.ask("Target.attachToTarget", &attach)["sessionId"].as_str().unwrap().to_owned();
+        let attached = it.ask("Target.attachToTarget", &attach);
+        it.page.push_str(attached["sessionId"].as_str().unwrap());
         for domain in ["Page.enable", "Runtime.enable", "Log.enable", "Network.enable"] {
             it.ask(domain, &json!({}));
         }
