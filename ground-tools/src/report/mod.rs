@@ -8,7 +8,7 @@
 //! Frames and signs: `docs/conventions.md`; times are UTC where not said otherwise.
 //!
 //! Method: everything is taken from the timeline and from the passes it was planned from; opportunities
-//! and reasons go in as a stream of small numbers ([`encoding`]), about 25 bytes each.
+//! and reasons go in as a stream of small numbers, about 25 bytes each.
 //!
 //! Limits: in the zoomable timeline, passes are whole seconds; `timeline.json` has all digits.
 
