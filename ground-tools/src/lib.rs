@@ -44,5 +44,6 @@ pub mod calendar;
 pub mod demands;
 pub mod timeline;
 pub mod product;
+pub mod report;
 pub mod uplink;
 pub mod verb;

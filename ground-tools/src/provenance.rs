@@ -2,11 +2,11 @@
 
 use crate::world::World;
 use ephem::time::{format_tdb, last_leap_second};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
 /// Mission, kernel, time scales and program behind an output.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
     /// The mission's name.
     pub mission: String,
@@ -19,7 +19,7 @@ pub struct Provenance {
     /// The spacecraft's trajectory.
     pub trajectory: String,
     /// SHA-256 of the uplink table that directions were taken from, where one was named.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table_sha256: Option<String>,
     /// The day that the last leap second known ends.
     pub last_leap_second: String,

@@ -23,7 +23,7 @@ use planner::opportunity::{Opportunities, Opportunity};
 use planner::resonance::Recommendation;
 use planner::schedule::{Because, ConstraintUse, Problem, Rule, Schedule};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io::Write;
 
@@ -60,7 +60,7 @@ pub struct Resonance {
 }
 
 /// A timeline, as `timeline.json` holds it.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Timeline {
     /// Where it comes from.
     #[serde(flatten)]
@@ -84,7 +84,7 @@ pub struct Timeline {
 }
 
 /// One session.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Session {
     /// Telescope, target and precession turn.
     pub id: String,
@@ -113,7 +113,7 @@ pub struct Session {
 }
 
 /// One pass of a session.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct SessionTransit {
     /// Detector's name, or `-` for the field of view.
     pub detector: String,
@@ -136,7 +136,7 @@ pub struct SessionTransit {
 }
 
 /// An opportunity not taken.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Rejected {
     /// The id its session would have.
     pub opportunity: String,
@@ -145,7 +145,7 @@ pub struct Rejected {
 }
 
 /// How far a rule is used.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Constraint {
     /// The rule and its place.
     pub name: String,

@@ -192,7 +192,7 @@ fn the_plan_is_complete_consistent_and_repeatable() {
     let summary = plan("a");
     plan("b");
     let read = |name: &str, file: &str| std::fs::read(path(name).join(file)).unwrap();
-    for file in ["timeline.json", "timeline.csv", "uplink.tbl"] {
+    for file in ["timeline.json", "timeline.csv", "uplink.tbl", "report.html"] {
         assert!(read("a", file) == read("b", file), "{file} differs between equal runs");
     }
     let timeline: Value = serde_json::from_slice(&read("a", "timeline.json")).unwrap();

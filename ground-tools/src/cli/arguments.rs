@@ -457,6 +457,14 @@ fn arcseconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// `report`.
+#[derive(Debug, Clone, Args)]
+pub struct ReportArgs {
+    /// The folder that plan wrote
+    #[arg(value_name = "PLANFOLDER")]
+    pub folder: PathBuf,
+}
+
 /// Elapsed seconds, exact to the nanosecond.
 fn elapsed(text: &str) -> Result<Duration, String> {
     let number = Number::parse(text).map_err(|error| error.to_string())?;

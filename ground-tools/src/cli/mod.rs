@@ -58,6 +58,8 @@ pub enum Verb {
     Table(TableVerb),
     /// The calibration timeline
     Plan(PlanArgs),
+    /// The page of a plan again, from its timeline.json
+    Report(ReportArgs),
     /// Completions for a shell, on standard output
     Completions {
         /// The shell

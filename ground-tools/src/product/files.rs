@@ -15,8 +15,8 @@ use onboard_core::sun::SunModel;
 use onboard_core::time::Instant;
 
 /// What `plan` always writes: what [`Products`] fills of it comes from here, the rest from elsewhere.
-pub const ALWAYS: [&str; 5] =
-    ["timeline.json", "timeline.csv", "timeline.ics", "attitude.aem", "uplink.tbl"];
+pub const ALWAYS: [&str; 6] =
+    ["timeline.json", "timeline.csv", "timeline.ics", "attitude.aem", "uplink.tbl", "report.html"];
 
 /// A product on request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]

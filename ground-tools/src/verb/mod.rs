@@ -11,6 +11,7 @@ mod vectors;
 mod verify;
 mod table;
 mod plan;
+mod report;
 
 use crate::cli::{Cli, Format, SharedArgs, Verb};
 use crate::failure::Failure;
@@ -41,6 +42,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Verify(arguments) => verify::run(shared, arguments),
         Verb::Table(verb) => table::run(shared, verb),
         Verb::Plan(arguments) => plan::run(shared, arguments),
+        Verb::Report(arguments) => report::run(shared, arguments),
         Verb::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Cli::command(), "gyrfalcon", &mut script);

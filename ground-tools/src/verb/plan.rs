@@ -10,6 +10,7 @@ use crate::passes::{Found, search};
 use crate::product::stamp::stamp;
 use crate::product::{ALWAYS, Also, Products};
 use crate::provenance::PROGRAM;
+use crate::report;
 use crate::resonance_check::{ResonanceCheck, minutes};
 use crate::sightline::{SightLine, of_plan};
 use crate::timeline::{Planned, Resonance, Timeline};
@@ -21,7 +22,7 @@ use onboard_core::time::{Duration, Instant};
 use planner::opportunity::{Opportunities, Pass};
 use planner::schedule::{
     Candidate, Conflict, Demands, Exclusive, Problem, Rules, Schedule, ScheduleError, SessionCount,
-    schedule,
+    check, schedule,
 };
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -78,6 +79,17 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         sessions: Some(&records),
         sequence: arguments.sequence,
     };
+    let violation = check(&problem, &schedule.chosen).err().map(|it| it.to_string());
+    let page = report::page(&report::Source {
+        world: &world,
+        table,
+        lines: &lines,
+        found: &found,
+        opportunities: &opportunities,
+        timeline: &timeline,
+        violation: violation.as_deref(),
+        difference: None,
+    })?;
     let products = Products {
         world: &world,
         sun,
@@ -92,6 +104,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         (TIMELINE, whole(&json)),
         ("timeline.csv", whole(&csv)),
         ("uplink.tbl", whole(&uplink)),
+        ("report.html", whole(&page)),
     ];
     files.extend(products.fills(&Also::chosen(&asked.also))?);
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
@@ -186,7 +199,7 @@ fn remove_stale(folder: &Path, written: &[&str]) -> Result<(), Failure> {
     Ok(())
 }
 
-fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, Failure> {
+pub(super) fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, Failure> {
     found
         .iter()
         .map(|it| {
@@ -238,7 +251,7 @@ fn contradiction(world: &World, conflict: &Conflict) -> String {
     )
 }
 
-fn problem(world: &World, opportunities: &Opportunities, demands: Demands) -> Problem {
+pub(super) fn problem(world: &World, opportunities: &Opportunities, demands: Demands) -> Problem {
     let keys = &world.mission.calibration.schedule;
     let candidates = opportunities
         .list()

@@ -1,0 +1,36 @@
+//! What was it made from, and how is it made again.
+
+use super::Source;
+use maud::{Markup, html};
+
+pub(super) fn section(source: &Source) -> Markup {
+    let mission = &source.world.mission;
+    let schedule = &mission.calibration.schedule;
+    let files = [
+        ("contacts", schedule.data.as_ref().map(|it| it.contacts.text())),
+        ("blackouts", schedule.blackouts.as_ref().map(crate::mission::FilePath::text)),
+    ];
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Inputs" {
+            table.inputs {
+                caption { "Inputs and their SHA-256" }
+                tbody {
+                    @for (key, value) in source.timeline.provenance.lines() {
+                        tr { th scope="row" { (key.replace('_', " ")) } td { code { (value) } } }
+                    }
+                    @for (key, value) in files.iter().filter_map(|(key, value)| Some((key, (*value)?))) {
+                        tr { th scope="row" { (key) } td { code { (value) } } }
+                    }
+                }
+            }
+        }
+        p {
+            "The mission's digest is that of its resolved form: what " code { "gyrfalcon missions NAME --resolved" }
+            " prints. "
+            "The same program with a mission and a kernel of these digests makes the same bytes: "
+            code { "gyrfalcon plan --mission NAME" } " for the whole plan, "
+            code { "gyrfalcon report FOLDER --mission NAME" } " for this page from its " code { "timeline.json" }
+            "; options that changed the mission must be given again."
+        }
+    }
+}

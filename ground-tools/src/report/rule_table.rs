@@ -1,0 +1,232 @@
+//! How far is each rule used, and what would loosening it bring.
+//!
+//! Rows of the timeline's `constraints` are grouped by rule, the word that their names begin with; their
+//! unit stands at the end of a name: `(s)`, `(days)`, or none for counts. A shadow price is the objective
+//! per unit of a small loosening in the relaxation. It is told per ten minutes, per day, per hundredth of
+//! a scan-angle average, or per session; the sum over a group is what loosening all of its rows together
+//! would bring.
+//!
+//! Limits: a price holds for small changes; the sum over a group is an estimate, not a bound.
+
+use super::Source;
+use super::names::{grouped, real, total};
+use super::plot::{n, steps};
+use crate::timeline::Constraint;
+use maud::{Markup, PreEscaped, html};
+
+/// Rows shown of each rule, and further ones behind a fold.
+const SHOWN: usize = 3;
+const FOLDED: usize = 40;
+/// Rows from which on a strip of use is drawn.
+const STRIP_FROM: usize = 12;
+const PARTS: usize = 240;
+const BOX: (f64, f64) = (480.0, 40.0);
+
+/// The rows of one rule, in the timeline's order.
+struct Group<'t> {
+    rule: &'t str,
+    rows: Vec<&'t Constraint>,
+}
+
+/// What a price is told per.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
+    words: &'static str,
+    units: f64,
+}
+
+pub(super) fn section(source: &Source) -> Markup {
+    let groups = groups(&source.timeline.constraints);
+    let objective = source.timeline.objective;
+    html! {
+        p {
+            "What a rule costs is told by its shadow price: what the objective (" (format!("{objective:.1}"))
+            ") would gain from a small loosening. A rule with price 0 holds nothing back."
+        }
+        @if groups.is_empty() { p { "No rule limits this plan." } }
+        @for group in &groups { (group_table(group, objective)) }
+    }
+}
+
+fn groups(constraints: &[Constraint]) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    for it in constraints {
+        let rule = it.name.split(' ').next().unwrap_or(&it.name);
+        match groups.iter_mut().find(|group| group.rule == rule) {
+            Some(group) => group.rows.push(it),
+            None => groups.push(Group { rule, rows: vec![it] }),
+        }
+    }
+    groups
+}
+
+fn unit(name: &str) -> &'static str {
+    if name.ends_with("(s)") {
+        "min"
+    } else if name.ends_with("(days)") {
+        "d"
+    } else {
+        ""
+    }
+}
+
+fn step(rule: &str, name: &str) -> Step {
+    match (unit(name), rule) {
+        ("min", _) => Step { words: "10 more minutes", units: 600.0 },
+        ("d", _) => Step { words: "1 more day", units: 1.0 },
+        (_, "scan_angle") => Step { words: "0.01 more", units: 0.01 },
+        (_, "min_sessions") => Step { words: "1 session fewer", units: 1.0 },
+        _ => Step { words: "1 more session", units: 1.0 },
+    }
+}
+
+/// A value in the unit it is told in.
+fn told(it: &Constraint, value: f64) -> String {
+    match unit(&it.name) {
+        "min" => format!("{:.1}", value / 60.0),
+        "d" => format!("{value:.2}"),
+        _ => n((value * 1000.0).round() / 1000.0),
+    }
+}
+
+/// A gain in words: in the objective and as a share of it.
+fn gain(value: f64, objective: f64) -> String {
+    if value <= 0.0 {
+        return "nothing".to_owned();
+    }
+    let share = if objective > 0.0 { 100.0 * value / objective } else { 0.0 };
+    match (value, share) {
+        (value, _) if value < 0.005 => "less than 0.01".to_owned(),
+        (value, share) if share < 0.001 => format!("{value:.2} (below 0.001 %)"),
+        (value, share) if share < 0.1 => format!("{value:.2} ({share:.3} %)"),
+        (value, share) => format!("{value:.1} ({share:.2} %)"),
+    }
+}
+
+fn use_of(it: &Constraint) -> f64 {
+    if it.limit > 0.0 { it.used / it.limit } else { 0.0 }
+}
+
+fn group_table(group: &Group, objective: f64) -> Markup {
+    let step = step(group.rule, &group.rows[0].name);
+    let sum = step.units * total(group.rows.iter().map(|it| it.shadow_price));
+    let full = group.rows.iter().filter(|it| use_of(it) >= 0.999).count();
+    let priced = group.rows.iter().filter(|it| it.shadow_price > 0.0).count();
+    let mut order: Vec<&Constraint> = group.rows.clone();
+    order.sort_by(|a, b| {
+        b.shadow_price.total_cmp(&a.shadow_price).then(use_of(b).total_cmp(&use_of(a)))
+    });
+    let all = if group.rows.len() == 1 { "" } else { " in every row" };
+    let (shown, rest) = order.split_at(SHOWN.min(order.len()));
+    let folded = &rest[..FOLDED.min(rest.len())];
+    html! {
+        h3 { code { (group.rule) } }
+        p {
+            (grouped(group.rows.len())) @if group.rows.len() == 1 { " row" } @else { " rows" }
+            ", " (grouped(full)) " used to the full, " (grouped(priced)) " with a price. "
+            strong { (step.words) (all) " would add about " (gain(sum, objective)) @if sum > 0.0 { " to the objective" } "." }
+        }
+        @if group.rows.len() >= STRIP_FROM { (strip(group)) }
+        div.scroll tabindex="0" role="region" aria-label={ "Rule " (group.rule) } {
+            table.rules {
+                caption { @if rest.is_empty() { "Its rows" } @else { "The " (shown.len()) " dearest of its rows" } }
+                (head(group.rows[0]))
+                tbody { @for it in shown { (row(it, step, objective)) } }
+            }
+        }
+        @if !folded.is_empty() {
+            details {
+                summary { "The next " (folded.len()) " by price" @if rest.len() > folded.len() { "; all " (grouped(group.rows.len())) " are in timeline.json" } }
+                div.scroll tabindex="0" role="region" aria-label={ "More rows of rule " (group.rule) } {
+                    table.rules {
+                        caption { "Further rows of " (group.rule) }
+                        (head(group.rows[0]))
+                        tbody { @for it in folded { (row(it, step, objective)) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn head(it: &Constraint) -> Markup {
+    let unit = match unit(&it.name) {
+        "" => String::new(),
+        unit => format!(" ({unit})"),
+    };
+    html! { thead { tr {
+        th scope="col" { "where" } th.num scope="col" { "used" (unit) } th.num scope="col" { "limit" (unit) }
+        th.num scope="col" { "use" } th scope="col" { "loosening" }
+    } } }
+}
+
+fn row(it: &Constraint, step: Step, objective: f64) -> Markup {
+    let place = it.name.split_once(' ').map_or("", |(_, place)| place);
+    let place = place.trim_end_matches("(s)").trim_end_matches("(days)").trim();
+    // Nanoseconds of an instant say nothing here.
+    let place = place
+        .split('.')
+        .next()
+        .filter(|_| place.ends_with('Z'))
+        .map_or_else(|| place.to_owned(), |cut| format!("{}Z", cut.replace('T', " ")));
+    html! { tr {
+        th scope="row" { @if place.is_empty() { "the mission" } @else { (place) } }
+        td.num { (told(it, it.used)) } td.num { (told(it, it.limit)) }
+        td.num { (format!("{:.0} %", 100.0 * use_of(it))) }
+        td { (step.words) " would add " (gain(it.shadow_price * step.units, objective)) }
+    } }
+}
+
+/// The largest use in each part of the rows, which stand in time.
+fn strip(group: &Group) -> Markup {
+    let parts = PARTS.min(group.rows.len());
+    let mut uses = vec![0.0_f64; parts];
+    for (index, it) in group.rows.iter().enumerate() {
+        let part = index * parts / group.rows.len();
+        uses[part] = uses[part].max(use_of(it).clamp(0.0, 1.0));
+    }
+    let mean = total(group.rows.iter().map(|it| use_of(it))) / real(group.rows.len());
+    html! {
+        figure.use-strip {
+            svg viewBox={ "0 0 " (n(BOX.0)) " " (n(BOX.1)) } preserveAspectRatio="none" role="img"
+                aria-label={ "Use of " (group.rule) " row by row; " (format!("{:.0}", 100.0 * mean)) " % in the mean" } {
+                path.limit d={ "M0 0.5H" (n(BOX.0)) } {}
+                path.used d=(PreEscaped(steps(&uses, BOX))) {}
+            }
+            figcaption { "Use of the limit, row by row in the order of time: " (format!("{:.0} %", 100.0 * mean)) " in the mean; the line on top is the limit" }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row_of(name: &str, price: f64) -> Constraint {
+        Constraint { name: name.to_owned(), used: 0.0, limit: 1.0, shadow_price: price }
+    }
+
+    #[test]
+    fn rules_keep_their_order_and_their_units() {
+        let rows = [
+            "max_minutes_per_day 2032-04-01 (s)",
+            "max_sessions from x",
+            "max_minutes_per_day b (s)",
+        ]
+        .map(|name| row_of(name, 0.0));
+        let found: Vec<(&str, usize)> =
+            groups(&rows).iter().map(|it| (it.rule, it.rows.len())).collect();
+        assert_eq!(found, [("max_minutes_per_day", 2), ("max_sessions", 1)]);
+        assert_eq!(step("max_minutes_per_day", &rows[0].name).words, "10 more minutes");
+        assert_eq!(step("max_sessions", &rows[1].name).words, "1 more session");
+        assert_eq!(step("longest_gain_gap", "longest_gain_gap x (days)").words, "1 more day");
+    }
+
+    #[test]
+    fn gains_are_told_with_their_share() {
+        assert_eq!(gain(0.0, 10.0), "nothing");
+        assert_eq!(gain(0.001, 10.0), "less than 0.01");
+        assert_eq!(gain(34.2, 1000.0), "34.2 (3.42 %)");
+        assert_eq!(gain(0.5, 1000.0), "0.50 (0.050 %)");
+    }
+}

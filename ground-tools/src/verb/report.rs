@@ -1,0 +1,86 @@
+//! `gyrfalcon report`: the page of a plan again, from its `timeline.json`.
+//!
+//! Passes are computed afresh; the mission and the kernel must be those of the plan, told by digest. The
+//! sessions are held against every rule once more: a plan that breaks one gets its page, and exit code 1.
+
+use super::plan::{passes, problem};
+use super::{sink, warn, world};
+use crate::cli::{ReportArgs, SharedArgs};
+use crate::demands::{Sources, blackouts};
+use crate::failure::Failure;
+use crate::passes::search;
+use crate::provenance::Provenance;
+use crate::report::{Source, chosen, page};
+use crate::sightline::of_plan;
+use crate::timeline::Timeline;
+use crate::world::World;
+use ephem::fit::FitOptions;
+use planner::opportunity::Opportunities;
+use planner::schedule::check;
+use std::path::Path;
+
+pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Failure> {
+    let file = arguments.folder.join("timeline.json");
+    let timeline = read(&file)?;
+    let world = world(shared)?;
+    same_inputs(&file, &timeline.provenance, &world)?;
+    let program = &Provenance::of(&world).program;
+    if *program != timeline.provenance.program {
+        let other = &timeline.provenance.program;
+        warn(shared, &[format!("{} is by {other}, the page by {program}", file.display())]);
+    }
+    let tables = world.tables(&FitOptions::UPLINK)?;
+    let table = tables.parse()?;
+    let lines = of_plan(&world.mission)?;
+    let found = search(&world, table, &lines)?;
+    let passes = passes(&found, &lines)?;
+    let opportunities = Opportunities::group(&passes, &world.scan).map_err(Failure::internal)?;
+    let sun = world.sun(table)?;
+    let sources =
+        Sources { world: &world, lines: &lines, sun, found: &found, opportunities: &opportunities };
+    let problem = problem(&world, &opportunities, sources.demands(&blackouts(&world)?)?);
+    let source = Source {
+        world: &world,
+        table,
+        lines: &lines,
+        found: &found,
+        opportunities: &opportunities,
+        timeline: &timeline,
+        violation: None,
+        difference: None,
+    };
+    let violation = check(&problem, &chosen(&source)?).err().map(|it| it.to_string());
+    sink(shared).write(&page(&Source { violation: violation.as_deref(), ..source })?)?;
+    match violation {
+        None => Ok(()),
+        Some(violation) => {
+            Err(Failure::Check(format!("{} breaks a rule: {violation}", file.display())))
+        }
+    }
+}
+
+fn read(file: &Path) -> Result<Timeline, Failure> {
+    let bytes = std::fs::read(file).map_err(|error| Failure::file("read", file, &error))?;
+    serde_json::from_slice(&bytes).map_err(|error| {
+        Failure::Input(format!("{} is no timeline as plan writes it: {error}", file.display()))
+    })
+}
+
+fn same_inputs(file: &Path, plan: &Provenance, world: &World) -> Result<(), Failure> {
+    let here = Provenance::of(world);
+    let refuse = |what: &str, option: &str, theirs: &str, ours: &str| {
+        Err(Failure::Input(format!(
+            "{} was planned for {what} with SHA-256 {theirs}, but this one has {ours}: the same {what} \
+             is needed, by {option}",
+            file.display()
+        )))
+    };
+    if plan.mission_sha256 != here.mission_sha256 {
+        let options = "--mission, --set and the options that the plan had";
+        return refuse("a mission", options, &plan.mission_sha256, &here.mission_sha256);
+    }
+    if plan.kernel_sha256 != here.kernel_sha256 {
+        return refuse("a kernel", "--ephemeris", &plan.kernel_sha256, &here.kernel_sha256);
+    }
+    Ok(())
+}
