@@ -73,6 +73,9 @@ pub struct Timeline {
     pub gap: f64,
     /// Why the search ended.
     pub stopped: String,
+    /// What changed against an earlier plan, where one was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub against: Option<Against>,
     /// The sessions by start.
     pub sessions: Vec<Session>,
     /// The opportunities not taken.
@@ -81,6 +84,21 @@ pub struct Timeline {
     pub constraints: Vec<Constraint>,
     /// Whether the periods beat on the sky, as `resonance --json` says it; null where not judged.
     pub resonance: Option<Value>,
+}
+
+/// What changed against an earlier plan, by ids.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Against {
+    /// SHA-256 of its `timeline.json`.
+    pub sha256: String,
+    /// Sessions in both at the same times.
+    pub kept: usize,
+    /// Sessions that it did not have.
+    pub added: Vec<String>,
+    /// Sessions that only it had.
+    pub dropped: Vec<String>,
+    /// Sessions in both at other times.
+    pub moved: Vec<String>,
 }
 
 /// One session.
@@ -157,6 +175,13 @@ pub struct Constraint {
     pub shadow_price: f64,
 }
 
+/// The id of an opportunity's session: telescope, target and precession turn.
+#[must_use]
+pub fn session_id(world: &World, it: &Opportunity) -> String {
+    let telescope = &world.mission.telescopes[it.telescope].name;
+    format!("{telescope}-{}-{:06}", world.targets[it.target].name(), it.turn)
+}
+
 impl Planned<'_> {
     /// The timeline.
     ///
@@ -183,6 +208,7 @@ impl Planned<'_> {
             upper_bound: schedule.upper_bound,
             gap: schedule.gap,
             stopped: schedule.stopped.to_string(),
+            against: None,
             sessions,
             rejected,
             constraints: schedule.constraints.iter().map(|it| self.constraint(it)).collect(),
@@ -211,8 +237,7 @@ impl Planned<'_> {
     }
 
     fn id(&self, candidate: usize) -> String {
-        let turn = self.opportunity(candidate).turn;
-        format!("{}-{}-{turn:06}", self.telescope(candidate), self.target(candidate))
+        session_id(self.world, self.opportunity(candidate))
     }
 
     fn session(&self, candidate: usize) -> Result<Session, Failure> {

@@ -409,9 +409,38 @@ pub struct PlanArgs {
     /// The uplink table's sequence number, growing with every uplink
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub sequence: u32,
+    /// What a person asks of the schedule.
+    #[command(flatten)]
+    pub revision: RevisionArgs,
     /// What the files hold and say.
     #[command(flatten)]
     pub products: ProductArgs,
+}
+
+/// What a person asks of the schedule.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Schedule")]
+pub struct RevisionArgs {
+    /// End the search after this time, 20s, with the best schedule so far; outputs then depend on the
+    /// machine
+    #[arg(long, value_name = "DURATION")]
+    pub time_limit: Option<String>,
+    /// An earlier plan of this mission to stay close to: its folder, or its timeline.json
+    #[arg(long, value_name = "PLAN")]
+    pub against: Option<PathBuf>,
+    /// What each session added to or dropped from the earlier plan must bring to the objective; a
+    /// tenth of what its sessions bring on average, unless said
+    #[arg(long, value_name = "OBJECTIVE", requires = "against", allow_negative_numbers = true)]
+    pub change_price: Option<f64>,
+    /// Before this time the earlier plan stays as it is: 2032-06-01T00:00:00Z
+    #[arg(long, value_name = "TIME", requires = "against")]
+    pub freeze_until: Option<String>,
+    /// Sessions that must stand, by id: HFT-mars-000012,...
+    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    pub fix: Vec<String>,
+    /// Sessions that must not stand, by id
+    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    pub forbid: Vec<String>,
 }
 
 /// The products of `plan`.
@@ -463,6 +492,9 @@ pub struct ReportArgs {
     /// The folder that plan wrote
     #[arg(value_name = "PLANFOLDER")]
     pub folder: PathBuf,
+    /// An earlier plan to show the difference from: its folder, or its timeline.json
+    #[arg(long, value_name = "PLAN")]
+    pub against: Option<PathBuf>,
 }
 
 /// Elapsed seconds, exact to the nanosecond.

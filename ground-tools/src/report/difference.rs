@@ -3,6 +3,7 @@
 //! A session with the same id in both plans is kept, or moved where its times differ.
 
 use super::names::{grouped, second};
+use crate::timeline::Against;
 use maud::{Markup, html};
 
 /// What an earlier plan and this one do not share.
@@ -20,6 +21,21 @@ pub struct Difference {
     pub moved: Vec<Moved>,
     /// This plan's objective less the earlier one's.
     pub objective: f64,
+}
+
+impl Difference {
+    /// As the timeline holds it; `sha256` is of the earlier plan.
+    #[must_use]
+    pub fn by_ids(&self, sha256: &str) -> Against {
+        let ids = |list: &[Entry]| list.iter().map(|it| it.id.clone()).collect();
+        Against {
+            sha256: sha256.to_owned(),
+            kept: self.kept,
+            added: ids(&self.added),
+            dropped: ids(&self.dropped),
+            moved: self.moved.iter().map(|it| it.now.id.clone()).collect(),
+        }
+    }
 }
 
 /// A session as the timeline tells it.

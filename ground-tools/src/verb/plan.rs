@@ -1,28 +1,32 @@
 //! `gyrfalcon plan`: the calibration timeline, the main job.
 
 use super::{print_json, tell, warn, world};
-use crate::cli::{AttitudeSpan, PlanArgs, SharedArgs};
+use crate::cli::{AttitudeSpan, PlanArgs, RevisionArgs, SharedArgs};
 use crate::demands::{Sources, blackouts};
 use crate::failure::Failure;
+use crate::interrupt::SearchLimit;
 use crate::mission::schedule::Exclusive as ExclusiveKey;
 use crate::output::{fill_folder, whole};
 use crate::passes::{Found, search};
 use crate::product::stamp::stamp;
 use crate::product::{ALWAYS, Also, Products};
 use crate::provenance::PROGRAM;
-use crate::report;
+use crate::quantity;
+use crate::report::{self, Difference};
 use crate::resonance_check::{ResonanceCheck, minutes};
+use crate::revision::{Earlier, Revision};
+use crate::rounding;
 use crate::sightline::{SightLine, of_plan};
-use crate::timeline::{Planned, Resonance, Timeline};
+use crate::timeline::{Planned, Resonance, Timeline, session_id};
 use crate::uplink::{Contents, slow_checks};
 use crate::world::World;
 use ephem::fit::FitOptions;
-use ephem::time::{format_utc, utc_day, utc_midnight};
+use ephem::time::{format_utc, parse_time, utc_day, utc_midnight};
 use onboard_core::time::{Duration, Instant};
 use planner::opportunity::{Opportunities, Pass};
 use planner::schedule::{
-    Candidate, Conflict, Demands, Exclusive, Problem, Rules, Schedule, ScheduleError, SessionCount,
-    check, schedule,
+    Candidate, Conflict, Demands, Exclusive, Problem, RuleName, Rules, Schedule, ScheduleError,
+    SessionCount, Stopped, check, schedule_until,
 };
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -43,6 +47,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     }
     let ours = is_ours(&folder, arguments.force)?;
     let world = world(shared)?;
+    let wishes = Wishes::read(&arguments.revision, &world)?;
     let asked = &arguments.products;
     let variable = std::env::var("SOURCE_DATE_EPOCH").ok();
     let stamp = stamp(asked.stamp.as_deref(), variable.as_deref(), world.start)?;
@@ -58,8 +63,10 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let sun = world.sun(table)?;
     let sources =
         Sources { world: &world, lines: &lines, sun, found: &found, opportunities: &opportunities };
-    let problem = problem(&world, &opportunities, sources.demands(&blackouts)?);
-    let schedule = scheduled(&world, &problem)?;
+    let mut problem = problem(&world, &opportunities, sources.demands(&blackouts)?);
+    wishes.ask(&world, &opportunities, &mut problem)?;
+    let search_limit = SearchLimit::new(wishes.time_limit);
+    let schedule = scheduled(&world, &problem, &search_limit)?;
     let planned = Planned {
         world: &world,
         lines: &lines,
@@ -71,7 +78,11 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         schedule: &schedule,
         resonance: resonance.as_ref(),
     };
-    let timeline = planned.timeline()?;
+    let mut timeline = planned.timeline()?;
+    if schedule.stopped == Stopped::Interrupted {
+        timeline.stopped = search_limit.told();
+    }
+    let difference = wishes.difference(&mut timeline);
     let records = planned.records()?;
     let contents = Contents {
         world: &world,
@@ -88,7 +99,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         opportunities: &opportunities,
         timeline: &timeline,
         violation: violation.as_deref(),
-        difference: None,
+        difference: difference.as_ref(),
     })?;
     let products = Products {
         world: &world,
@@ -221,18 +232,88 @@ pub(super) fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, 
 }
 
 /// The schedule; rules that contradict each other fail in words.
-fn scheduled(world: &World, problem: &Problem) -> Result<Schedule, Failure> {
-    schedule(problem).map_err(|error| match error {
+fn scheduled(world: &World, problem: &Problem, limit: &SearchLimit) -> Result<Schedule, Failure> {
+    schedule_until(problem, Some(&|| limit.reached())).map_err(|error| match error {
         ScheduleError::Infeasible(conflict) => Failure::Check(contradiction(world, &conflict)),
         error @ ScheduleError::Unsound(_) => Failure::internal(error),
+        error @ ScheduleError::NotFound => Failure::Check(error.to_string()),
         error => Failure::input(error),
     })
 }
 
+/// What the options ask of the schedule.
+struct Wishes<'w> {
+    arguments: &'w RevisionArgs,
+    /// In seconds.
+    time_limit: Option<f64>,
+    frozen_until: Option<Instant>,
+    earlier: Option<Earlier>,
+}
+
+impl<'w> Wishes<'w> {
+    fn read(arguments: &'w RevisionArgs, world: &World) -> Result<Self, Failure> {
+        if let Some(price) = arguments.change_price.filter(|it| !(0.0..=1e12).contains(it)) {
+            return Err(Failure::Input(format!(
+                "--change-price {price}: a number from 0 to 1e12 is needed"
+            )));
+        }
+        let earlier = arguments.against.as_ref().map(|path| Earlier::read(path, world));
+        Ok(Self {
+            arguments,
+            time_limit: arguments.time_limit.as_deref().map(time_limit).transpose()?,
+            frozen_until: arguments.freeze_until.as_deref().map(frozen_until).transpose()?,
+            earlier: earlier.transpose()?,
+        })
+    }
+
+    fn ask(
+        &self,
+        world: &World,
+        opportunities: &Opportunities,
+        problem: &mut Problem,
+    ) -> Result<(), Failure> {
+        let ids = opportunities.list().iter().map(|it| session_id(world, it));
+        let revision = Revision {
+            earlier: self.earlier.as_ref(),
+            change_price: self.arguments.change_price,
+            frozen_until: self.frozen_until,
+            fixed: &self.arguments.fix,
+            forbidden: &self.arguments.forbid,
+        };
+        revision.ask(&ids.collect::<Vec<_>>(), problem)
+    }
+
+    /// What a timeline changes, which it is told.
+    fn difference(&self, timeline: &mut Timeline) -> Option<Difference> {
+        let earlier = self.earlier.as_ref()?;
+        let difference = earlier.difference(timeline);
+        timeline.against = Some(difference.by_ids(&earlier.sha256));
+        Some(difference)
+    }
+}
+
+/// The seconds of `--time-limit`.
+fn time_limit(text: &str) -> Result<f64, Failure> {
+    let option = |error: String| Failure::Input(format!("--time-limit: {error}"));
+    let exact = quantity::seconds(text).map_err(|error| option(error.to_string()))?;
+    let seconds = rounding::duration(&exact).map(Duration::seconds);
+    seconds
+        .filter(|it| (0.0..=1e9).contains(it))
+        .ok_or_else(|| option(format!("{text} is not a duration from 0 s to 1e9 s")))
+}
+
+/// The instant of `--freeze-until`.
+fn frozen_until(text: &str) -> Result<Instant, Failure> {
+    parse_time(text).map_err(|error| Failure::Input(format!("--freeze-until: {error}")))
+}
+
 /// A contradiction among the rules, and the least change that would end it.
 fn contradiction(world: &World, conflict: &Conflict) -> String {
-    let rules: Vec<String> =
-        conflict.rules.iter().map(|rule| format!("calibration.schedule.{rule}")).collect();
+    let named = |rule: &RuleName| match rule {
+        RuleName::Fixed | RuleName::Forbidden => format!("the {rule}"),
+        _ => format!("calibration.schedule.{rule}"),
+    };
+    let rules: Vec<String> = conflict.rules.iter().map(named).collect();
     let place = conflict.season.map_or_else(String::new, |(target, telescope, from)| {
         format!(
             " of {} on {} in the season from {}",
@@ -339,6 +420,7 @@ fn summary(world: &World, timeline: &Timeline, opportunities: &Opportunities) ->
         "upper_bound": timeline.upper_bound,
         "gap": timeline.gap,
         "stopped": timeline.stopped,
+        "against": timeline.against,
         "resonance": timeline.resonance,
     })
 }
@@ -407,6 +489,14 @@ fn told(
     );
     if let Some(Resonance { checked, .. }) = resonance.filter(|it| it.checked.certificate.passes) {
         let _ = writeln!(text, "resonance: {}\n", checked.sentence());
+    }
+    if let Some(it) = &timeline.against {
+        let (added, dropped, moved) = (it.added.len(), it.dropped.len(), it.moved.len());
+        let _ = writeln!(
+            text,
+            "against the earlier plan: {added} added, {dropped} dropped, {moved} moved, {} kept\n",
+            it.kept
+        );
     }
     first_weeks(&mut text, world, timeline);
     let _ = writeln!(text, "\nwritten to {}: {}", folder.display(), files.join(", "));

@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::passes::search;
 use crate::provenance::Provenance;
 use crate::report::{Source, chosen, page};
+use crate::revision::Earlier;
 use crate::sightline::of_plan;
 use crate::timeline::Timeline;
 use crate::world::World;
@@ -21,7 +22,7 @@ use std::path::Path;
 
 pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Failure> {
     let file = arguments.folder.join("timeline.json");
-    let timeline = read(&file)?;
+    let (timeline, _) = Timeline::read(&file)?;
     let world = world(shared)?;
     same_inputs(&file, &timeline.provenance, &world)?;
     let program = &Provenance::of(&world).program;
@@ -39,6 +40,8 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Fai
     let sources =
         Sources { world: &world, lines: &lines, sun, found: &found, opportunities: &opportunities };
     let problem = problem(&world, &opportunities, sources.demands(&blackouts(&world)?)?);
+    let earlier = arguments.against.as_ref().map(|path| Earlier::read(path, &world)).transpose()?;
+    let difference = earlier.map(|it| it.difference(&timeline));
     let source = Source {
         world: &world,
         table,
@@ -47,7 +50,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Fai
         opportunities: &opportunities,
         timeline: &timeline,
         violation: None,
-        difference: None,
+        difference: difference.as_ref(),
     };
     let violation = check(&problem, &chosen(&source)?).err().map(|it| it.to_string());
     sink(shared).write(&page(&Source { violation: violation.as_deref(), ..source })?)?;
@@ -57,13 +60,6 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Fai
             Err(Failure::Check(format!("{} breaks a rule: {violation}", file.display())))
         }
     }
-}
-
-fn read(file: &Path) -> Result<Timeline, Failure> {
-    let bytes = std::fs::read(file).map_err(|error| Failure::file("read", file, &error))?;
-    serde_json::from_slice(&bytes).map_err(|error| {
-        Failure::Input(format!("{} is no timeline as plan writes it: {error}", file.display()))
-    })
 }
 
 fn same_inputs(file: &Path, plan: &Provenance, world: &World) -> Result<(), Failure> {

@@ -13,6 +13,7 @@ use super::model::Model;
 use super::price::Prices;
 use super::relaxation::Relaxed;
 use super::search::{Effort, Item, Region, search};
+use super::{Stop, asked};
 use crate::program::number::{f64_from_i64, i64_from_f64, i64_from_usize};
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -91,14 +92,14 @@ fn fill_up(draft: &mut Draft<'_>, model: &Model, rank: impl Fn(usize) -> i64) {
     }
 }
 
-/// Exchanges sessions in at most `passes` passes; true if nothing within a span helps any more.
+/// Exchanges sessions in at most `passes` passes, until asked to stop; true if nothing within a span helps any more.
 ///
 /// Nothing more fits into the result.
 pub(super) fn improve(
     draft: &mut Draft<'_>,
     model: &Model,
     priced: &Priced<'_>,
-    passes: usize,
+    (passes, stop): (usize, Stop<'_>),
 ) -> bool {
     fill_up(draft, model, |_| 0);
     let (Some(&first), Some(&last)) = (model.cells.first(), model.cells.last()) else {
@@ -108,6 +109,9 @@ pub(super) fn improve(
     for _ in 0..passes {
         let mut changed = false;
         for place in 0..spans.stale.len() {
+            if asked(stop) {
+                return false;
+            }
             if std::mem::take(&mut spans.stale[place]) {
                 let span = spans.span(place);
                 if exchange(draft, model, priced, span) {

@@ -367,6 +367,7 @@ pub fn schedule(problem: &Problem) -> Result<Schedule, ScheduleError> {
 }
 
 /// As [`schedule`], until `stop` says to stop: then the best schedule so far, its bound still safe.
+/// Asked between steps of the search, and not while a relaxation is solved.
 ///
 /// # Errors
 /// As [`schedule`]; [`ScheduleError::NotFound`] where nothing was found in time.
@@ -376,7 +377,7 @@ pub fn schedule_until(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sch
 }
 
 /// The best schedule found, a bound on all schedules in units, and why the search ended.
-fn best<'a>(model: &'a Model, relaxed: &Relaxed) -> (Draft<'a>, i128, Stopped) {
+fn best<'a>(model: &'a Model, relaxed: &Relaxed, stop: Stop<'_>) -> (Draft<'a>, i128, Stopped) {
     let prices = &relaxed.prices;
     let mut bound = bound::priced(model, prices);
     let mut rounded = improve::round(model, relaxed);
@@ -387,26 +388,29 @@ fn best<'a>(model: &'a Model, relaxed: &Relaxed) -> (Draft<'a>, i128, Stopped) {
     let scale = relaxed.typical_value(model);
     let enough = i128::from(rounded.value());
     let (sharpened, _) = rayon::join(
-        || split::sharpen(model, prices, scale, enough),
-        || improve::improve(&mut rounded, model, &reduced, PASSES.0),
+        || split::sharpen(model, prices, (scale, enough), stop),
+        || improve::improve(&mut rounded, model, &reduced, (PASSES.0, stop)),
     );
     bound = bound.min(sharpened.bound);
     if let Some(stopped) = close(&rounded, bound) {
         return (rounded, bound, stopped);
+    }
+    if asked(stop) {
+        return (rounded, bound, Stopped::Interrupted);
     }
     let mut drafts: Vec<Draft<'a>> = sharpened
         .splits
         .par_iter()
         .map(|split| {
             let mut draft = assemble::assemble(split, &sharpened.patterns, scale);
-            improve::improve(&mut draft, model, &reduced, PASSES.1);
+            improve::improve(&mut draft, model, &reduced, (PASSES.1, stop));
             draft
         })
         .collect();
     drafts.push(rounded);
     let settled = sharpened.splits.last().is_some_and(|split| {
         let mut mixed = assemble::splice(split, &drafts);
-        let settled = improve::improve(&mut mixed, model, &reduced, PASSES.2);
+        let settled = improve::improve(&mut mixed, model, &reduced, (PASSES.2, stop));
         drafts.insert(0, mixed);
         settled
     });
@@ -420,6 +424,11 @@ fn best<'a>(model: &'a Model, relaxed: &Relaxed) -> (Draft<'a>, i128, Stopped) {
     };
     let stopped = close(&draft, bound).unwrap_or(stopped);
     (draft, bound, stopped)
+}
+
+/// Whether the caller asks to stop.
+fn asked(stop: Stop<'_>) -> bool {
+    stop.is_some_and(|stop| stop())
 }
 
 /// Whether a schedule is so close to the bound that the search may end.
@@ -464,7 +473,7 @@ mod tests {
         let (model, _) = Model::new(&problem);
         let relaxed =
             Relaxed { prices: price::Prices::none(&model), shares: vec![0.0; 5], solved: false };
-        let (draft, bound, stopped) = best(&model, &relaxed);
+        let (draft, bound, stopped) = best(&model, &relaxed, None);
         let chosen: Vec<usize> = draft.chosen().map(|id| model.sessions[id].candidate).collect();
         assert_eq!(check(&problem, &chosen), Ok(()));
         // 0 to 30, 55 to 90 and 100 to 190 is the best: 155 ns.

@@ -20,6 +20,7 @@ use super::descent::Descent;
 use super::model::Model;
 use super::price::Prices;
 use super::search::{Effort, Found, Item, Region, search};
+use super::{Stop, asked};
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
@@ -157,8 +158,8 @@ impl<'a> Split<'a> {
 pub(super) fn sharpen<'a>(
     model: &'a Model,
     prices: &Prices,
-    scale: f64,
-    enough: i128,
+    (scale, enough): (f64, i128),
+    stop: Stop<'_>,
 ) -> Sharpened<'a> {
     let mut split = Split::new(model, prices);
     let cells = model.cell_count();
@@ -193,7 +194,7 @@ pub(super) fn sharpen<'a>(
         if left.is_multiple_of(KEPT.0) && left / KEPT.0 < KEPT.1 {
             splits.push(split.clone());
         }
-        if bound <= enough {
+        if bound <= enough || asked(stop) {
             break;
         }
         descent.step(&mut split, &bests, here, &mut changed);

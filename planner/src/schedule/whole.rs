@@ -44,7 +44,7 @@ pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sc
     let day_by_day = linear && model.sessions.len() > FEW;
     // Clarabel works alone meanwhile.
     let (days, ready) = rayon::join(
-        || day_by_day.then(|| Days::new(problem, &model, &relaxed)),
+        || day_by_day.then(|| Days::new(problem, (&model, &relaxed), stop)),
         || if model.sessions.len() > MANY { relax(&built.program) } else { None },
     );
     let id_of: BTreeMap<usize, usize> =
@@ -140,7 +140,7 @@ struct Days {
 
 impl Days {
     /// A limit on reserved time in windows of a day or more binds each day as well.
-    fn new(problem: &Problem, model: &Model, relaxed: &Relaxed) -> Self {
+    fn new(problem: &Problem, (model, relaxed): (&Model, &Relaxed), stop: Stop<'_>) -> Self {
         let boundaries = &problem.rules.day_boundaries;
         let longest = boundaries.windows(2).map(|day| day[1].since(day[0])).max();
         let covered = boundaries.first().is_some_and(|it| *it <= problem.span.0)
@@ -151,15 +151,16 @@ impl Days {
             .filter(|it| covered && longest.is_some_and(|day| it.window >= day))
             .map(|it| it.most)
             .filter(|most| problem.rules.max_per_day.is_none_or(|limit| *most < limit));
-        let Some(daily) = daily else { return Self::of(model, relaxed, true) };
+        let Some(daily) = daily else { return Self::of((model, relaxed), true, stop) };
         let mut tighter = problem.clone();
         tighter.rules.max_per_day = Some(daily);
         let (tighter, _) = Model::new(&tighter);
-        Self::of(&tighter, &relaxation::solve(&tighter), tighter.unit() == model.unit())
+        let shared = tighter.unit() == model.unit();
+        Self::of((&tighter, &relaxation::solve(&tighter)), shared, stop)
     }
 
-    fn of(model: &Model, relaxed: &Relaxed, shared: bool) -> Self {
-        let (draft, bound, _) = best(model, relaxed);
+    fn of((model, relaxed): (&Model, &Relaxed), shared: bool, stop: Stop<'_>) -> Self {
+        let (draft, bound, _) = best(model, relaxed, stop);
         let taken: Vec<usize> = draft.chosen().collect();
         Self {
             chosen: candidates(model, &taken),
