@@ -7,9 +7,9 @@
 //! Method: candidates that no schedule can hold are set aside (`model.rs`). Prices for the rules come
 //! from the linear relaxation (`relaxation.rs`, Clarabel). An upper bound on every schedule follows
 //! from them (`bound.rs`), and a sharper one by searching each day exactly with what joins the days
-//! priced (`split.rs`, `search.rs`). Two schedules, one by rounding the relaxation, one joined from
-//! the days' best sets (`assemble.rs`), are improved by exchanges (`improve.rs`), mixed and improved
-//! again. The result is checked by `check.rs`, which shares no code with the rest, and each
+//! priced (`split.rs`, `search.rs`). Schedules, one by rounding the relaxation, others joined from
+//! the days' best sets under different prices (`assemble.rs`), are improved by exchanges
+//! (`improve.rs`), mixed and improved again; the integer programme (`whole.rs`) goes on from there. The result is checked by `check.rs`, which shares no code with the rest, and each
 //! candidate left out gets the rule that excludes it (`explain.rs`). All arithmetic on time is in
 //! integer nanoseconds, on value in integers.
 //!
