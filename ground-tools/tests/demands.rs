@@ -130,7 +130,9 @@ fn blackouts_from_either_format_are_kept_and_named() {
 
 #[test]
 fn the_memory_never_overflows() {
-    let folder = mission("data = { rate_bit_s = 20e6, memory_bit = 2e10, contacts = \"c.csv\" }");
+    let others = "max_sessions = \"none\"\nmax_minutes_per_day = \"none\"\n";
+    let data = "data = { rate_bit_s = 20e6, memory_bit = 2e10, contacts = \"c.csv\" }\n";
+    let folder = mission(&format!("{others}{data}"));
     let contacts = [
         ("2032-04-02T13:00:00Z", "2032-04-02T17:00:00Z", 4_000_000_i128),
         ("2032-04-04T13:00:00Z", "2032-04-04T17:00:00Z", 2_000_000),
@@ -138,7 +140,7 @@ fn the_memory_never_overflows() {
     let rows: String = contacts.iter().map(|(a, b, rate)| format!("{a},{b},{rate}\n")).collect();
     put(folder.path(), "c.csv", &format!("start_utc,end_utc,bit_s\n{rows}"));
     let kept = timeline(folder.path());
-    let free = timeline(mission("").path());
+    let free = timeline(mission(others).path());
     let objective = |it: &Value| it["objective"].as_f64().unwrap();
     assert!(objective(&kept) < objective(&free), "the memory binds");
     assert!(because(&kept).contains(&"the memory would overflow before the next contacts"));
@@ -242,7 +244,13 @@ fn files_that_cannot_be_used_are_named_with_the_line() {
             blackouts,
             "b.csv",
             format!("{dark}2033-01-01T00:00:00Z,2033-01-02T00:00:00Z,late\n"),
-            &["b.csv", "line 2", "2033-01-01T00:00:00Z", "outside the mission", "2032-04-05"],
+            &[
+                "b.csv",
+                "line 2",
+                "2033-01-01T00:00:00.000000000Z",
+                "outside the mission",
+                "2032-04-05",
+            ],
         ),
         (
             blackouts,
