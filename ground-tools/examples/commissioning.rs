@@ -5,6 +5,9 @@
 //! The mission file beside this program asks for sessions of every visible planet on every telescope
 //! between ground contacts, wheel unloadings and station keeping. The plan goes into FOLDER, or into
 //! a temporary one; what is printed is read back from its `timeline.json`, as another program would.
+//!
+//! Limits: the proof leaves a gap of some 16 %; where sliding windows of few sessions bind, the bound
+//! is weak and the search ends early (`docs/scheduling.md`).
 
 use clap::Parser;
 use ground_tools::cli::Cli;
