@@ -137,7 +137,7 @@ fn the_memory_never_overflows() {
         ("2032-04-02T13:00:00Z", "2032-04-02T17:00:00Z", 4_000_000_i128),
         ("2032-04-04T13:00:00Z", "2032-04-04T17:00:00Z", 2_000_000),
     ];
-    let rows: String = contacts.iter().map(|(a, b, rate)| format!("{a},{b},{rate}\n")).collect();
+    let rows = contacts.map(|(a, b, rate)| format!("{a},{b},{rate}\n")).concat();
     put(folder.path(), "c.csv", &format!("start_utc,end_utc,bit_s\n{rows}"));
     let kept = timeline(folder.path());
     let free = timeline(mission(others).path());
