@@ -281,17 +281,21 @@ pub fn blackouts(world: &World) -> Result<Vec<Blackout>, Failure> {
     let Some(file) = &world.mission.calibration.schedule.blackouts else { return Ok(Vec::new()) };
     let path = world.mission.path(file);
     let is_calendar = path.extension().is_some_and(|it| it.eq_ignore_ascii_case("ics"));
-    let mut all = if is_calendar {
-        events(&path)?
+    // A calendar's events have no line of their own.
+    let placed: Vec<(Blackout, String)> = if is_calendar {
+        events(&path)?.into_iter().map(|it| (it, String::new())).collect()
     } else {
         rows(&path, "reason")?
             .into_iter()
-            .map(|(from, until, reason, _)| Blackout { from, until, reason })
+            .map(|(from, until, reason, line)| {
+                (Blackout { from, until, reason }, format!(", line {line}"))
+            })
             .collect()
     };
-    if let Some(outside) = all.iter().find(|it| it.until <= world.start || it.from >= world.end) {
+    let is_outside = |it: &Blackout| it.until <= world.start || it.from >= world.end;
+    if let Some((outside, line)) = placed.iter().find(|it| is_outside(&it.0)) {
         return Err(Failure::Input(format!(
-            "{}: the blackout from {} to {} lies outside the mission, {} to {}",
+            "{}{line}: the blackout from {} to {} lies outside the mission, {} to {}",
             path.display(),
             format_utc(outside.from),
             format_utc(outside.until),
@@ -299,6 +303,7 @@ pub fn blackouts(world: &World) -> Result<Vec<Blackout>, Failure> {
             format_utc(world.end)
         )));
     }
+    let mut all: Vec<Blackout> = placed.into_iter().map(|it| it.0).collect();
     all.sort_by(|a, b| (a.from, a.until, &a.reason).cmp(&(b.from, b.until, &b.reason)));
     Ok(all)
 }
