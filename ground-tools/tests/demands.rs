@@ -333,3 +333,33 @@ fn values_that_cannot_be_are_named_with_their_key_and_line() {
         refused(mission(keys).path(), 2, &[&["m.toml, line 7"][..], &parts].concat());
     }
 }
+
+#[test]
+fn seasons_are_met_where_gaps_cost_more_than_sessions() {
+    let folder = tempfile::tempdir().unwrap();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/commissioning");
+    for name in ["contacts.csv", "blackouts.ics"] {
+        std::fs::copy(example.join(name), folder.path().join(name)).unwrap();
+    }
+    let text = std::fs::read_to_string(example.join("mission.toml")).unwrap();
+    put(folder.path(), "m.toml", &text);
+    let output = Command::new(env!("CARGO_BIN_EXE_gyrfalcon"))
+        .args(["plan", "--mission", "m.toml", "--out", "plan", "--quiet"])
+        .args(["--set", "calibration.schedule.exclusive=telescope"])
+        .args(["--set", "calibration.schedule.thermal=none"])
+        .args(["--set", "calibration.schedule.data.rate_bit_s=20e6"])
+        .args(["--set", "calibration.schedule.longest_gain_gap.price_per_day=600"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let bytes = std::fs::read(folder.path().join("plan/timeline.json")).unwrap();
+    let timeline: Value = serde_json::from_slice(&bytes).unwrap();
+    let seasons = timeline["constraints"].as_array().unwrap().iter();
+    let seasons: Vec<&Value> =
+        seasons.filter(|it| it["name"].as_str().unwrap().starts_with("min_sessions")).collect();
+    assert!(!seasons.is_empty());
+    for season in seasons {
+        assert!(season["used"].as_f64().unwrap() >= season["limit"].as_f64().unwrap(), "{season}");
+    }
+}

@@ -288,6 +288,16 @@ impl<'m> Built<'m> {
         self.offset += i128::from(price) * i128::from(i64_from_usize(before.len()));
     }
 
+    /// The programme with every season as a rule instead of at a price alone.
+    pub(super) fn with_seasons_met(&self) -> Program {
+        let mut strict = self.program.clone();
+        strict.rows.extend(self.seasons.iter().map(|season| Row {
+            terms: season.sessions.iter().map(|&id| (id, -1)).collect(),
+            limit: -i64_from_usize(season.wanted),
+        }));
+        strict
+    }
+
     fn season_cells(&mut self, problem: &Problem, model: &Model, facts: &Facts) {
         self.seasons = seasons(problem, model, facts);
         let largest = self.program.values.iter().map(|it| it.abs()).max().unwrap_or(1);

@@ -79,9 +79,15 @@ pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sc
     if !meets(&found) && (is_demanding(demands) || found.is_none()) {
         match find(problem).map_err(ScheduleError::Infeasible)? {
             Some(met) => {
+                // They can be met, so nothing else may outweigh them.
                 let start: Vec<usize> =
                     met.iter().filter_map(|it| id_of.get(it).copied()).collect();
-                found = attempt(&start).ok();
+                let strict = built.with_seasons_met();
+                let aids = Aids { families: &families, start: &start, stop, bound: known };
+                found = solve_from(&strict, &limits, &aids, None).ok();
+                if !meets(&found) {
+                    return Err(ScheduleError::NotFound);
+                }
             }
             None => return Err(ScheduleError::NotFound),
         }
