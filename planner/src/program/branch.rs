@@ -10,17 +10,18 @@
 //! Limits: a count of nodes. Nodes cut short leave their bound in the result.
 
 use super::bound::{Prices, impossible, priced};
+use super::choose::Experience;
 use super::gain::UNIT;
 use super::number::{f64_from_i64, f64_from_i128};
 use super::simplex::{Simplex, Status};
 use super::state::{Index, State};
+use super::waiting::{Node, Waiting};
 use super::{Choice, Ended, Gain, Program, Row, cover, round};
 use rayon::prelude::*;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet};
 
 /// Shares this close to a whole number are whole.
-const WHOLE: f64 = 1e-6;
+pub(super) const WHOLE: f64 = 1e-6;
 /// Rows must be broken by this share of their size.
 const BROKEN: f64 = 1e-7;
 /// Most rows added at once.
@@ -29,10 +30,6 @@ const AT_ONCE: usize = 40;
 const ROUNDS: usize = 60;
 /// Most rounds of cover cuts at the first node.
 const CUT_ROUNDS: usize = 6;
-/// Choices tried before one is branched on, and pivots for each.
-const TRIALS: (usize, usize) = (8, 40);
-/// Trials after which experience counts.
-const EXPERIENCE: u32 = 2;
 /// Most pivots of one relaxation.
 const PIVOTS: usize = 20_000;
 /// Nodes between two attempts at rounding.
@@ -69,37 +66,6 @@ pub(super) struct Found {
     pub(super) ended: Ended,
 }
 
-#[derive(Debug, Clone)]
-struct Node {
-    bound: i128,
-    fixes: Vec<(usize, bool)>,
-}
-
-/// Nodes that wait, by bound, the earlier first where bounds tie.
-#[derive(Debug, Clone, Default)]
-struct Waiting {
-    order: BTreeSet<(i128, Reverse<usize>)>,
-    nodes: BTreeMap<usize, Node>,
-    number: usize,
-}
-
-impl Waiting {
-    fn add(&mut self, node: Node) {
-        self.order.insert((node.bound, Reverse(self.number)));
-        self.nodes.insert(self.number, node);
-        self.number += 1;
-    }
-
-    fn next(&mut self) -> Option<Node> {
-        let (_, Reverse(number)) = self.order.pop_last()?;
-        self.nodes.remove(&number)
-    }
-
-    fn largest(&self) -> Option<i128> {
-        self.order.last().map(|it| it.0)
-    }
-}
-
 /// Deals the nodes out by bound in turn, and tells everyone the best value.
 fn share_out(team: &mut [Search<'_>]) {
     let value = team.iter().map(|it| it.value).max().unwrap_or(i128::MIN);
@@ -124,29 +90,22 @@ enum Line {
     Tangent(usize, f64),
 }
 
-/// Experience of one choice: losses per share, and their number, down and up.
-#[derive(Debug, Clone, Copy, Default)]
-struct Experience {
-    lost: [f64; 2],
-    count: [u32; 2],
-}
-
-struct Search<'t> {
-    program: Program,
+pub(super) struct Search<'t> {
+    pub(super) program: Program,
     task: &'t Task<'t>,
     roots: Vec<Choice>,
     index: Index,
-    relaxation: Simplex,
+    pub(super) relaxation: Simplex,
     lines: Vec<Line>,
     present: Vec<bool>,
-    unit: f64,
+    pub(super) unit: f64,
     /// Worth of each cell's whole range.
     ranges: Vec<f64>,
     best: Option<(Vec<bool>, i128)>,
-    value: i128,
+    pub(super) value: i128,
     /// Largest bound among nodes closed above the best value.
     left: i128,
-    experience: Vec<Experience>,
+    pub(super) experience: Vec<Experience>,
     nodes: usize,
     /// Every set's worth is a multiple.
     step: i128,
@@ -570,74 +529,11 @@ impl<'t> Search<'t> {
             self.best = Some((marks, self.value));
         }
     }
+}
 
-    /// The choice to branch on, and its share.
-    fn choose(&mut self, shares: &[f64]) -> (usize, f64) {
-        let mut open: Vec<usize> = (0..shares.len())
-            .filter(|&it| {
-                self.program.choices[it] == Choice::Free
-                    && (shares[it] - shares[it].round()).abs() >= WHOLE
-            })
-            .collect();
-        if open.is_empty() {
-            let free = (0..shares.len()).find(|&it| self.program.choices[it] == Choice::Free);
-            let choice = free.unwrap_or(0);
-            return (choice, shares[choice]);
-        }
-        let before = self.relaxation.objective();
-        let halves = |it: usize| (shares[it] - 0.5).abs();
-        open.sort_by(|&a, &b| halves(a).total_cmp(&halves(b)).then(a.cmp(&b)));
-        let new: Vec<usize> = open
-            .iter()
-            .copied()
-            .filter(|&it| self.experience[it].count.iter().any(|&count| count < EXPERIENCE))
-            .take(TRIALS.0)
-            .collect();
-        let cutoff = f64_from_i128(self.value) / self.unit;
-        for choice in new {
-            for side in 0..2_u8 {
-                let bound = f64::from(side);
-                let (lower, upper) = (self.relaxation.lower[choice], self.relaxation.upper[choice]);
-                self.relaxation.lower[choice] = bound;
-                self.relaxation.upper[choice] = bound;
-                let status = self.relaxation.solve(cutoff, TRIALS.1);
-                let after = match status {
-                    Status::Impossible(_) | Status::CutOff => cutoff,
-                    Status::Solved | Status::Stuck => self.relaxation.objective(),
-                };
-                self.relaxation.lower[choice] = lower;
-                self.relaxation.upper[choice] = upper;
-                let moved = (bound - shares[choice]).abs();
-                let side = usize::from(side);
-                let experience = &mut self.experience[choice];
-                experience.lost[side] += (before - after).max(0.0) / moved;
-                experience.count[side] += 1;
-            }
-        }
-        let mean = |side: usize| {
-            let (mut lost, mut count) = (0.0, 0.0);
-            for it in &self.experience {
-                lost += it.lost[side];
-                count += f64::from(it.count[side]);
-            }
-            if count > 0.0 { lost / count } else { 1.0 }
-        };
-        let means = [mean(0), mean(1)];
-        let score = |it: usize| {
-            let side = |side: usize| {
-                let of = &self.experience[it];
-                let count = of.count[side];
-                if count > 0 { of.lost[side] / f64::from(count) } else { means[side] }
-            };
-            (side(0) * shares[it]).max(1e-9) * (side(1) * (1.0 - shares[it])).max(1e-9)
-        };
-        let best = open
-            .iter()
-            .copied()
-            .max_by(|&a, &b| score(a).total_cmp(&score(b)).then_with(|| b.cmp(&a)));
-        let choice = best.unwrap_or(open[0]);
-        (choice, shares[choice])
-    }
+/// What a row is divided by.
+fn size(row: &Row) -> f64 {
+    row.terms.iter().map(|it| f64_from_i64(it.1.abs())).fold(1.0, f64::max)
 }
 
 /// A number that divides the worth of every set.
@@ -655,9 +551,4 @@ pub(super) fn step(program: &Program) -> i128 {
         a
     });
     i128::from(step.max(1))
-}
-
-/// What a row is divided by.
-fn size(row: &Row) -> f64 {
-    row.terms.iter().map(|it| f64_from_i64(it.1.abs())).fold(1.0, f64::max)
 }

@@ -24,7 +24,9 @@ mod relaxation;
 mod round;
 mod cover;
 mod simplex;
+mod waiting;
 mod branch;
+mod choose;
 mod exchange;
 
 pub use gain::Gain;
