@@ -6,6 +6,8 @@
 //! node is pruned, and which further choices are the same in every better set. The choice to branch
 //! on is the one whose both sides lose most, judged by trial at first, then by experience
 //! (pseudo-costs). The search goes down until a node is pruned, then on at the node of largest bound.
+//! A bound is rounded down to a multiple of what divides all values where it decides on pruning, not
+//! where it orders the nodes: tied values would make them all alike.
 //!
 //! Limits: a count of nodes. Nodes cut short leave their bound in the result.
 
@@ -230,7 +232,8 @@ impl<'t> Search<'t> {
         let open = team.iter().filter_map(|it| it.waiting.largest()).max();
         let left = team.iter().map(|it| it.left).max().unwrap_or(i128::MIN);
         let value = team[0].value;
-        let bound = value.max(left).max(open.unwrap_or(i128::MIN));
+        let open = open.map_or(i128::MIN, |it| it.div_euclid(team[0].step) * team[0].step);
+        let bound = value.max(left).max(open);
         let ended = if bound <= value { Ended::Proven } else { ended };
         let best = team.into_iter().find_map(|it| it.best.filter(|best| best.1 == value));
         Found { best, bound, nodes, ended }
@@ -269,6 +272,7 @@ impl<'t> Search<'t> {
 
     /// Whether a bound leaves nothing to look for; what it leaves by rounding is noted.
     fn closed(&mut self, bound: i128) -> bool {
+        let bound = bound.div_euclid(self.step) * self.step;
         let closed = bound <= self.value + (self.value.abs() >> CLOSE_BITS);
         if closed {
             self.left = self.left.max(bound);
@@ -380,8 +384,7 @@ impl<'t> Search<'t> {
         let prices = self.prices();
         let found = priced(&self.program, &prices);
         self.work += 4 * self.terms;
-        let whole = found.bound.div_euclid(self.step) * self.step;
-        node.bound = node.bound.min(whole);
+        node.bound = node.bound.min(found.bound);
         if self.closed(node.bound) {
             return true;
         }
