@@ -21,10 +21,11 @@ use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::SessionRecord;
 use planner::opportunity::{Opportunities, Opportunity};
 use planner::resonance::Recommendation;
-use planner::schedule::{Because, ConstraintUse, Problem, Rule, Schedule};
+use planner::schedule::{Because, ConstraintUse, Loosening, Problem, Rule, Schedule};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::io::Write;
 
 /// Everything that a timeline is made from.
@@ -46,6 +47,8 @@ pub struct Planned<'p> {
     pub problem: &'p Problem,
     /// Its schedule.
     pub schedule: &'p Schedule,
+    /// What its rules' giving way would bring.
+    pub loosened: &'p [Loosening],
     /// Whether its periods beat, where that can be judged.
     pub resonance: Option<&'p Resonance>,
 }
@@ -82,6 +85,9 @@ pub struct Timeline {
     pub rejected: Vec<Rejected>,
     /// How far the rules are used.
     pub constraints: Vec<Constraint>,
+    /// What giving way in a rule would bring.
+    #[serde(default)]
+    pub loosening: Vec<Loosened>,
     /// Whether the periods beat on the sky, as `resonance --json` says it; null where not judged.
     pub resonance: Option<Value>,
 }
@@ -175,6 +181,19 @@ pub struct Constraint {
     pub shadow_price: f64,
 }
 
+/// What giving way in a rule would bring while sessions may be taken in parts.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Loosened {
+    /// The rule's key.
+    pub rule: String,
+    /// The step, as in `10 more minutes per day`.
+    pub step: String,
+    /// What the objective gains.
+    pub objective_percent: f64,
+    /// What the time in view of each target gains, where it has any.
+    pub dwell_percent: BTreeMap<String, f64>,
+}
+
 /// The id of an opportunity's session: telescope, target and precession turn.
 #[must_use]
 pub fn session_id(world: &World, it: &Opportunity) -> String {
@@ -212,6 +231,7 @@ impl Planned<'_> {
             sessions,
             rejected,
             constraints: schedule.constraints.iter().map(|it| self.constraint(it)).collect(),
+            loosening: self.loosened.iter().map(|it| self.loosening(it)).collect(),
             resonance: self.resonance.map(|it| it.checked.json(it.recommended.as_ref())),
         })
     }
@@ -351,6 +371,19 @@ impl Planned<'_> {
         }
     }
 
+    fn loosening(&self, it: &Loosening) -> Loosened {
+        let names = self.world.targets.iter().map(|target| target.name().to_owned());
+        let dwell = names.zip(&it.dwell);
+        Loosened {
+            rule: it.give.rule().to_owned(),
+            step: it.give.to_string(),
+            objective_percent: percent(it.objective),
+            dwell_percent: dwell
+                .filter_map(|(name, share)| Some((name, percent((*share)?))))
+                .collect(),
+        }
+    }
+
     fn constraint(&self, it: &ConstraintUse) -> Constraint {
         let name = match it.rule {
             Rule::Exclusive { telescope: None } => "exclusive all".to_owned(),
@@ -390,6 +423,13 @@ impl Planned<'_> {
 /// The date of an instant, UTC.
 fn date(at: Instant) -> String {
     format_utc(at).chars().take_while(|letter| *letter != 'T').collect()
+}
+
+/// A share in percent, to the hundredths that the relaxation is good for.
+fn percent(share: f64) -> f64 {
+    let hundredths = (share * 1e4).round();
+    // No negative zero.
+    if hundredths == 0.0 { 0.0 } else { hundredths / 100.0 }
 }
 
 /// Minutes to a tenth, for sentences.

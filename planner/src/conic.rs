@@ -51,6 +51,11 @@ pub(crate) struct Solution {
 impl Conic {
     /// The solution; `None` where the solver fails.
     pub(crate) fn solve(&self) -> Option<Solution> {
+        if self.columns.is_empty() {
+            // Clarabel cannot do without columns.
+            let met = self.limits.iter().all(|limit| *limit >= 0.0);
+            return met.then(|| Solution { primal: vec![], dual: vec![0.0; self.limits.len()] });
+        }
         let (mut starts, mut rows, mut coefficients) = (vec![0], Vec::new(), Vec::new());
         for entries in &self.columns {
             rows.extend(entries.iter().map(|entry| entry.0));

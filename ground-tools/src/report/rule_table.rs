@@ -3,15 +3,15 @@
 //! Rows of the timeline's `constraints` are grouped by rule, the word that their names begin with; their
 //! unit stands at the end of a name: `(s)`, `(days)`, or none for counts. A shadow price is the objective
 //! per unit of a small loosening in the relaxation. It is told per ten minutes, per day, per hundredth of
-//! a scan-angle average, or per session; the sum over a group is what loosening all of its rows together
-//! would bring.
+//! a scan-angle average, or per session. Above the rows stands what a step for the whole rule would
+//! bring, by target (`planner::schedule::loosen`).
 //!
-//! Limits: a price holds for small changes; the sum over a group is an estimate, not a bound.
+//! Limits: a price holds for small changes; what a step would bring is an estimate, not a bound.
 
 use super::Source;
 use super::names::{grouped, real, total};
 use super::plot::{n, steps};
-use crate::timeline::Constraint;
+use crate::timeline::{Constraint, Loosened};
 use maud::{Markup, PreEscaped, html};
 
 /// Rows shown of each rule, and further ones behind a fold.
@@ -21,6 +21,8 @@ const FOLDED: usize = 40;
 const STRIP_FROM: usize = 12;
 const PARTS: usize = 240;
 const BOX: (f64, f64) = (480.0, 40.0);
+/// A target's change below this, in percent, is not told.
+const SHARE_SHOWN: f64 = 0.05;
 
 /// The rows of one rule, in the timeline's order.
 struct Group<'t> {
@@ -44,7 +46,11 @@ pub(super) fn section(source: &Source) -> Markup {
             ") would gain from a small loosening. A rule with price 0 holds nothing back."
         }
         @if groups.is_empty() { p { "No rule limits this plan." } }
-        @for group in &groups { (group_table(group, objective)) }
+        @for group in &groups {
+            @let loosened: Vec<&Loosened> =
+                source.timeline.loosening.iter().filter(|it| it.rule == group.rule).collect();
+            (group_table(group, objective, &loosened))
+        }
     }
 }
 
@@ -107,7 +113,26 @@ fn use_of(it: &Constraint) -> f64 {
     if it.limit > 0.0 { it.used / it.limit } else { 0.0 }
 }
 
-fn group_table(group: &Group, objective: f64) -> Markup {
+/// What a step brings, in words: the objective, and each target that gains or loses.
+fn told_loosening(it: &Loosened) -> String {
+    if it.objective_percent <= 0.0 {
+        return format!("{} would add nothing.", it.step);
+    }
+    let targets: Vec<String> = it
+        .dwell_percent
+        .iter()
+        .filter(|(_, percent)| percent.abs() >= SHARE_SHOWN)
+        .map(|(target, percent)| format!("{percent:+.1} % for {target}"))
+        .collect();
+    let targets = if targets.is_empty() {
+        String::new()
+    } else {
+        format!("; time in view: {}", targets.join(", "))
+    };
+    format!("{} would add about {:.1} % to the objective{targets}.", it.step, it.objective_percent)
+}
+
+fn group_table(group: &Group, objective: f64, loosened: &[&Loosened]) -> Markup {
     let step = step(group.rule, &group.rows[0].name);
     let sum = step.units * total(group.rows.iter().map(|it| it.shadow_price));
     let full = group.rows.iter().filter(|it| use_of(it) >= 0.999).count();
@@ -124,7 +149,11 @@ fn group_table(group: &Group, objective: f64) -> Markup {
         p {
             (grouped(group.rows.len())) @if group.rows.len() == 1 { " row" } @else { " rows" }
             ", " (grouped(full)) " used to the full, " (grouped(priced)) " with a price. "
-            strong { (step.words) (all) " would add about " (gain(sum, objective)) @if sum > 0.0 { " to the objective" } "." }
+            @if loosened.is_empty() {
+                strong { (step.words) (all) " would add about " (gain(sum, objective)) @if sum > 0.0 { " to the objective" } "." }
+            } @else {
+                @for it in loosened { strong { (told_loosening(it)) } }
+            }
         }
         @if group.rows.len() >= STRIP_FROM { (strip(group)) }
         div.scroll tabindex="0" role="region" aria-label={ "Rule " (group.rule) } {
@@ -220,6 +249,24 @@ mod tests {
         assert_eq!(step("max_minutes_per_day", &rows[0].name).words, "10 more minutes");
         assert_eq!(step("max_sessions", &rows[1].name).words, "1 more session");
         assert_eq!(step("longest_gain_gap", "longest_gain_gap x (days)").words, "1 more day");
+    }
+
+    #[test]
+    fn a_step_is_told_with_the_targets_that_it_moves() {
+        let dwell = [("jupiter", 4.04), ("mars", -0.2), ("neptune", 0.04)];
+        let mut it = Loosened {
+            rule: "max_minutes_per_day".to_owned(),
+            step: "10 more minutes per day".to_owned(),
+            objective_percent: 2.449,
+            dwell_percent: dwell.map(|(name, share)| (name.to_owned(), share)).into(),
+        };
+        assert_eq!(
+            told_loosening(&it),
+            "10 more minutes per day would add about 2.4 % to the objective; time in view: \
+             +4.0 % for jupiter, -0.2 % for mars."
+        );
+        it.objective_percent = 0.0;
+        assert_eq!(told_loosening(&it), "10 more minutes per day would add nothing.");
     }
 
     #[test]

@@ -25,8 +25,8 @@ use ephem::time::{format_utc, parse_time, utc_day, utc_midnight};
 use onboard_core::time::{Duration, Instant};
 use planner::opportunity::{Opportunities, Pass};
 use planner::schedule::{
-    Candidate, Conflict, Demands, Exclusive, Problem, RuleName, Rules, Schedule, ScheduleError,
-    SessionCount, Stopped, check, schedule_until,
+    Candidate, Conflict, Demands, Exclusive, Loosening, Problem, RuleName, Rules, Schedule,
+    ScheduleError, SessionCount, Stopped, check, loosen, schedule_until,
 };
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -66,7 +66,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let mut problem = problem(&world, &opportunities, sources.demands(&blackouts)?);
     wishes.ask(&world, &opportunities, &mut problem)?;
     let search_limit = SearchLimit::new(wishes.time_limit);
-    let schedule = scheduled(&world, &problem, &search_limit)?;
+    let (schedule, loosened) = scheduled(&world, &problem, &search_limit)?;
     let planned = Planned {
         world: &world,
         lines: &lines,
@@ -76,6 +76,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         blackouts: &blackouts,
         problem: &problem,
         schedule: &schedule,
+        loosened: &loosened,
         resonance: resonance.as_ref(),
     };
     let mut timeline = planned.timeline()?;
@@ -231,14 +232,23 @@ pub(super) fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, 
         .collect()
 }
 
-/// The schedule; rules that contradict each other fail in words.
-fn scheduled(world: &World, problem: &Problem, limit: &SearchLimit) -> Result<Schedule, Failure> {
-    schedule_until(problem, Some(&|| limit.reached())).map_err(|error| match error {
+/// The schedule, and what its rules' giving way would bring; rules that contradict each other fail in
+/// words.
+fn scheduled(
+    world: &World,
+    problem: &Problem,
+    limit: &SearchLimit,
+) -> Result<(Schedule, Vec<Loosening>), Failure> {
+    let stop = || limit.reached();
+    let (schedule, loosened) =
+        rayon::join(|| schedule_until(problem, Some(&stop)), || loosen(problem, Some(&stop)));
+    let failure = |error| match error {
         ScheduleError::Infeasible(conflict) => Failure::Check(contradiction(world, &conflict)),
         error @ ScheduleError::Unsound(_) => Failure::internal(error),
         error @ ScheduleError::NotFound => Failure::Check(error.to_string()),
         error => Failure::input(error),
-    })
+    };
+    Ok((schedule.map_err(failure)?, loosened.map_err(failure)?))
 }
 
 /// What the options ask of the schedule.

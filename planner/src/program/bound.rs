@@ -56,9 +56,14 @@ impl Prices {
         Self { rows: rows.collect(), slopes: slopes.collect() }
     }
 
-    /// Prices of the first rows in units.
-    pub(super) fn per_unit(&self, count: usize) -> Vec<f64> {
-        self.rows.iter().take(count).map(|&z| f64_from_i128(z) / UNIT).collect()
+    /// Prices of the rows in units.
+    pub(super) fn per_unit(&self) -> Vec<f64> {
+        self.rows.iter().map(|&z| f64_from_i128(z) / UNIT).collect()
+    }
+
+    /// Slopes of the cells in units.
+    pub(super) fn slopes_per_unit(&self) -> Vec<f64> {
+        self.slopes.iter().map(|&g| f64_from_i128(g) / UNIT).collect()
     }
 }
 

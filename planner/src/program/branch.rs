@@ -40,8 +40,9 @@ const ROUNDING: usize = 20;
 const ALONE: usize = 400;
 const TEAM: usize = 4;
 const TURN: usize = 250;
-/// A set this close to the bound, as a power of two of its value, needs no further search.
-const CLOSE_BITS: u32 = 34;
+/// A set this close to the bound, as a power of two of its value, needs no further search: prices of
+/// rows in nanoseconds resolve no more.
+const CLOSE_BITS: u32 = 30;
 
 /// What to look for.
 pub(super) struct Task<'a> {

@@ -167,6 +167,10 @@ pub struct Outcome {
     pub relaxed: i128,
     /// Price of each row of the programme in units of value per unit of its limit.
     pub prices: Vec<f64>,
+    /// The same summed over the rows that each family added to the relaxation.
+    pub family_prices: Vec<f64>,
+    /// Slope of each cell's gain in units of value per unit of its sum.
+    pub slopes: Vec<f64>,
     /// Share of each choice in the relaxation.
     pub shares: Vec<f64>,
     /// Why the search ended.
@@ -309,6 +313,28 @@ pub(crate) fn relax(program: &Program) -> Option<Relaxed> {
     relaxation::solve(program, &vec![0.0; program.values.len()])
 }
 
+/// The relaxation's worth in units and the share of each choice, after some rounds of the families'
+/// rows; `None` where the solver fails.
+pub(crate) fn relaxed_shares(
+    program: &Program,
+    families: &[&dyn Family],
+    rounds: usize,
+) -> Option<(i128, Vec<f64>)> {
+    program.validate().ok()?;
+    let mut grown = program.clone();
+    let mut shares = vec![0.0; program.values.len()];
+    for round in 0..=rounds {
+        let found = relaxation::solve(&grown, &shares)?;
+        shares = found.shares;
+        let cuts: Vec<Row> = families.iter().flat_map(|family| family.separate(&shares)).collect();
+        if cuts.is_empty() || round == rounds {
+            return Some((bound::priced(&grown, &found.prices).bound, shares));
+        }
+        grown.rows.extend(cuts);
+    }
+    None
+}
+
 /// Searches for the best set.
 ///
 /// # Errors
@@ -346,6 +372,8 @@ pub(crate) fn solve_from(
         best.as_ref().is_some_and(|(_, value)| *value >= bound.min(known))
     };
     let mut halted = false;
+    // Rows that families add here, and which family.
+    let mut family_rows: Vec<(usize, usize)> = Vec::new();
     for round in 0..=limits.cut_rounds {
         if reached(&best, bound) {
             break;
@@ -379,12 +407,16 @@ pub(crate) fn solve_from(
         if round == limits.cut_rounds || small {
             break;
         }
-        let mut cuts = cover::separate(program, &shares);
-        cuts.extend(aids.families.iter().flat_map(|family| family.separate(&shares)));
-        if cuts.is_empty() {
+        let before = program.rows.len();
+        program.rows.extend(cover::separate(program, &shares));
+        for (family, it) in aids.families.iter().enumerate() {
+            let rows = it.separate(&shares);
+            family_rows.extend((0..rows.len()).map(|at| (program.rows.len() + at, family)));
+            program.rows.extend(rows);
+        }
+        if program.rows.len() == before {
             break;
         }
-        program.rows.extend(cuts);
         prices.rows.resize(program.rows.len(), 0);
         index = Index::new(program);
     }
@@ -428,12 +460,19 @@ pub(crate) fn solve_from(
     if marks.is_some() {
         bound = bound.max(value);
     }
+    let per_row = prices.per_unit();
+    let mut family_prices = vec![0.0; aids.families.len()];
+    for (row, family) in family_rows {
+        family_prices[family] += per_row[row];
+    }
     Ok(Outcome {
         taken: marks.map(|marks| (0..marks.len()).filter(|&choice| marks[choice]).collect()),
         value,
         bound,
         relaxed: relaxed_bound,
-        prices: prices.per_unit(own_rows),
+        prices: per_row.into_iter().take(own_rows).collect(),
+        family_prices,
+        slopes: prices.slopes_per_unit(),
         shares,
         ended,
         nodes,

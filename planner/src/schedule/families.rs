@@ -19,7 +19,7 @@ use crate::program::{Family, Row};
 /// Most rows that a family gives at once.
 const AT_ONCE: usize = 50;
 /// Length of the direction of a tangent.
-const DIRECTION: f64 = 1_048_576.0;
+pub(super) const DIRECTION: f64 = 1_048_576.0;
 
 /// At most `count` starts in `[t, t + window)`.
 #[derive(Debug)]

@@ -35,12 +35,14 @@ mod rows;
 mod conflict;
 mod whole;
 mod fulfil;
+mod loosen;
 mod check;
 
 pub use check::{Violation, check};
 pub use conflict::{Conflict, RuleName};
 pub use demands::{Contact, Data, Demands, Diversity, Log, LongestGap, Previous, Thermal};
 pub use explain::{Because, ConstraintUse, Rejection, Rule};
+pub use loosen::{Give, Loosening, loosen};
 pub use whole::Stop;
 
 use draft::Draft;

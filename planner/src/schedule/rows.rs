@@ -16,6 +16,7 @@ use crate::program::{Cell, Choice, Family, Gain, Program, Row};
 use onboard_core::time::{Duration, Instant};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// A session missing in a season costs as much as so many of the most valuable.
 const SEASON_PRICE: f64 = 12.0;
@@ -40,6 +41,18 @@ pub(super) struct Season {
     pub(super) wanted: usize,
     /// Sessions that count.
     pub(super) sessions: Vec<usize>,
+    /// Its cell of the programme.
+    pub(super) cell: usize,
+}
+
+/// A bound on the scan angles of one target on one telescope.
+#[derive(Debug, Clone)]
+pub(super) struct Angles {
+    pub(super) rule: Rule,
+    /// Its tangents among the programme's rows.
+    pub(super) rows: Range<usize>,
+    /// Its family, which adds further ones.
+    pub(super) family: usize,
 }
 
 /// A window that a session should start in.
@@ -61,6 +74,7 @@ pub(super) struct Built<'m> {
     unit: (f64, f64),
     pub(super) seasons: Vec<Season>,
     pub(super) gaps: Vec<Gap>,
+    pub(super) angles: Vec<Angles>,
     /// Objective lost per empty window.
     pub(super) gap_charge: f64,
 }
@@ -118,6 +132,7 @@ pub(super) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
         unit,
         seasons: Vec::new(),
         gaps: Vec::new(),
+        angles: Vec::new(),
         gap_charge: 0.0,
     };
     built.overlaps(model);
@@ -243,12 +258,18 @@ impl<'m> Built<'m> {
     }
 
     fn cones(&mut self, model: &Model, facts: &Facts, diversity: &Diversity) {
-        for ((_, _), members) in cone_members(model, facts, diversity) {
+        for ((target, telescope), members) in cone_members(model, facts, diversity) {
             let cone = Cone { members };
+            let first = self.program.rows.len();
             for direction in 0..TANGENTS {
                 let angle = TAU * f64::from(direction) / f64::from(TANGENTS);
                 self.row(cone.tangent(angle.cos(), angle.sin()), None);
             }
+            self.angles.push(Angles {
+                rule: Rule::ScanAngle { n: diversity.n, target, telescope },
+                rows: first..self.program.rows.len(),
+                family: self.families.len(),
+            });
             self.families.push(Box::new(cone));
         }
     }
@@ -307,7 +328,8 @@ impl<'m> Built<'m> {
             1.0
         });
         let price = i64_from_f64((SEASON_PRICE * largest).ceil());
-        for season in &self.seasons {
+        for season in &mut self.seasons {
+            season.cell = self.program.cells.len();
             let wanted = i64_from_usize(season.wanted);
             let terms = season.sessions.iter().map(|&id| (id, 1)).collect();
             let gain = Gain::Shortfall { wanted, price };
@@ -407,6 +429,7 @@ fn seasons(problem: &Problem, model: &Model, facts: &Facts) -> Vec<Season> {
             rule: Rule::MinSessions { target, telescope, from },
             wanted,
             sessions: sessions.remove(&key).unwrap_or_default(),
+            cell: usize::MAX,
         })
     });
     seasons.collect()

@@ -12,6 +12,7 @@
 use super::conflict::{find, is_demanding};
 use super::draft::Draft;
 use super::explain::{self, Because, ConstraintUse, Rule};
+use super::families::DIRECTION;
 use super::model::Model;
 use super::relaxation::{self, Relaxed};
 use super::rows::{Built, Facts, build, cone_members};
@@ -132,6 +133,13 @@ pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sc
         constraints,
         changes: changes(problem, &taken, &model),
     })
+}
+
+/// The prices of a scan-angle rule's tangents together.
+fn tangents(built: &Built<'_>, found: &Outcome, rule: Rule) -> f64 {
+    let Some(it) = built.angles.iter().find(|it| it.rule == rule) else { return 0.0 };
+    let listed: f64 = found.prices.get(it.rows.clone()).into_iter().flatten().sum();
+    listed + found.family_prices.get(it.family).copied().unwrap_or(0.0)
 }
 
 /// What the day by day search gives.
@@ -313,13 +321,17 @@ fn usage(
             shadow_price: built.value(price * 1e9),
         });
     }
-    for season in &built.seasons {
+    for (place, season) in built.seasons.iter().enumerate() {
+        // Seasons that are rows stand behind the programme's own.
+        let row = found.prices.get(built.program.rows.len() + place);
+        let price = found.slopes.get(season.cell).into_iter().chain(row).sum::<f64>();
         let held = season.sessions.iter().filter(|&&id| marks[id]).count();
         all.push(ConstraintUse {
             rule: season.rule,
             used: f64_from_usize(held),
             limit: f64_from_usize(season.wanted),
-            shadow_price: 0.0,
+            // Per session fewer asked for.
+            shadow_price: built.value(price),
         });
     }
     for gap in &built.gaps {
@@ -345,11 +357,13 @@ fn usage(
                 sums[1] += s;
                 weight += w;
             }
+            let rule = Rule::ScanAngle { n: diversity.n, target, telescope };
             all.push(ConstraintUse {
-                rule: Rule::ScanAngle { n: diversity.n, target, telescope },
+                rule,
                 used: if weight > 0.0 { sums[0].hypot(sums[1]) / weight } else { 0.0 },
                 limit: diversity.rho,
-                shadow_price: 0.0,
+                // A tangent's limit is rho times the length of its direction times the time in ms.
+                shadow_price: built.value(tangents(built, found, rule) * DIRECTION * weight * 1e3),
             });
         }
     }
