@@ -176,7 +176,7 @@ fn schema(names: &[String], kinds: &[Kind]) -> Result<TypePtr, ParquetError> {
 
 fn properties(provenance: &Provenance) -> WriterProperties {
     let start = ("start_tai_ns", provenance.start_tai_ns.to_string());
-    let pairs = provenance.lines().map(|(key, value)| (key, value.to_owned())).chain([start]);
+    let pairs = provenance.lines().map(|(key, value)| (key, value.into_owned())).chain([start]);
     let pairs = pairs.map(|(key, value)| KeyValue::new(key.to_owned(), value)).collect();
     WriterProperties::builder()
         .set_writer_version(WriterVersion::PARQUET_1_0)

@@ -3,6 +3,7 @@
 use crate::world::World;
 use ephem::time::{format_tdb, last_leap_second};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Mission, kernel, time scales and program behind an output.
@@ -21,6 +22,9 @@ pub struct Provenance {
     /// SHA-256 of the uplink table that directions were taken from, where one was named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table_sha256: Option<String>,
+    /// The files that the mission names and that could be read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<FileDigest>,
     /// The day that the last leap second known ends.
     pub last_leap_second: String,
     /// Zero of the scan clock, TDB.
@@ -29,6 +33,15 @@ pub struct Provenance {
     pub start_tai_ns: i64,
     /// Program and version.
     pub program: String,
+}
+
+/// A file behind an output.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileDigest {
+    /// Its path as the mission has it.
+    pub path: String,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
 }
 
 /// Program and version.
@@ -45,6 +58,7 @@ impl Provenance {
             kernel_sha256: world.sky.kernel.sha256().to_owned(),
             trajectory: world.sky.trajectory.name().to_owned(),
             table_sha256: None,
+            files: world.files.clone(),
             last_leap_second: last_leap_second(),
             start_tdb: format_tdb(world.start),
             start_tai_ns: world.start.tai_ns(),
@@ -63,7 +77,10 @@ impl Provenance {
     }
 
     /// Keys and values, in order.
-    pub(crate) fn lines(&self) -> impl Iterator<Item = (&'static str, &str)> {
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (&'static str, Cow<'_, str>)> {
+        let files: Vec<String> =
+            self.files.iter().map(|it| format!("{} {}", it.sha256, it.path)).collect();
+        let files = (!files.is_empty()).then(|| ("files_sha256", Cow::from(files.join("; "))));
         let lines = [
             ("mission", Some(&self.mission)),
             ("mission_sha256", Some(&self.mission_sha256)),
@@ -75,6 +92,8 @@ impl Provenance {
             ("start_tdb", Some(&self.start_tdb)),
             ("program", Some(&self.program)),
         ];
-        lines.into_iter().filter_map(|(key, value)| Some((key, value?.as_str())))
+        let lines =
+            lines.into_iter().filter_map(|(key, value)| Some((key, value?.as_str().into())));
+        lines.chain(files)
     }
 }

@@ -421,7 +421,7 @@ impl Planned<'_> {
 }
 
 /// The date of an instant, UTC.
-fn date(at: Instant) -> String {
+pub(crate) fn date(at: Instant) -> String {
     format_utc(at).chars().take_while(|letter| *letter != 'T').collect()
 }
 

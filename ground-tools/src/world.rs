@@ -10,6 +10,8 @@ use crate::failure::Failure;
 use crate::mission::calibration::{CalibrationSource, SourceDirection};
 use crate::mission::orbit::{Observer, Trajectory as TrajectoryKey};
 use crate::mission::{FilePath, Mission};
+use crate::provenance::FileDigest;
+use crate::resolve::sha256_hex;
 use crate::rounding;
 use ephem::apparent::{Corrections, Sky};
 use ephem::fit::{FitOptions, FittedTable, fit};
@@ -27,6 +29,8 @@ use std::path::Path;
 /// A mission with its sky.
 #[derive(Debug)]
 pub struct World {
+    /// The files that the mission names and that can be read, with their digests.
+    pub files: Vec<FileDigest>,
     /// The mission as read.
     pub mission: Mission,
     /// First instant of the mission.
@@ -100,7 +104,8 @@ impl World {
             .map(|it| Ok((source(&mission, &it.body)?, rounding::radians(it.angle_deg.exact()))))
             .collect::<Result<Vec<_>, Failure>>()?;
         let circular_sun = circular_sun(&mission, &sky, start)?;
-        Ok(Self { mission, start, end, scan, sky, targets, avoided, circular_sun })
+        let files = digests(&mission);
+        Ok(Self { files, mission, start, end, scan, sky, targets, avoided, circular_sun })
     }
 
     /// Keeps only the targets named, in the mission's order; none named keeps all.
@@ -214,6 +219,27 @@ fn own_source(mission: &Mission, index: usize, own: &CalibrationSource) -> Resul
         }
     };
     source.map_err(Failure::input)
+}
+
+/// The digests of the files that a mission names: trajectory, directions, contacts, blackouts. One that
+/// cannot be read is left out here: who needs it says so.
+fn digests(mission: &Mission) -> Vec<FileDigest> {
+    let schedule = &mission.calibration.schedule;
+    let trajectory = match &mission.orbit.trajectory {
+        TrajectoryKey::L2 => None,
+        TrajectoryKey::File(file) => Some(file),
+    };
+    let directions = mission.calibration.sources.iter().filter_map(|it| match &it.direction {
+        SourceDirection::Table(file) => Some(file),
+        SourceDirection::Ecliptic { .. } | SourceDirection::Equatorial { .. } => None,
+    });
+    let contacts = schedule.data.as_ref().map(|it| &it.contacts);
+    let files = trajectory.into_iter().chain(directions).chain(contacts).chain(&schedule.blackouts);
+    let digest = |file: &FilePath| {
+        let bytes = std::fs::read(mission.path(file)).ok()?;
+        Some(FileDigest { path: file.text().to_owned(), sha256: sha256_hex(bytes) })
+    };
+    files.filter_map(digest).collect()
 }
 
 fn read_text(mission: &Mission, file: &FilePath) -> Result<String, Failure> {

@@ -363,3 +363,30 @@ fn seasons_are_met_where_gaps_cost_more_than_sessions() {
         assert!(season["used"].as_f64().unwrap() >= season["limit"].as_f64().unwrap(), "{season}");
     }
 }
+
+#[test]
+fn a_page_is_refused_where_a_file_of_the_plan_changed() {
+    let folder = mission("blackouts = \"b.csv\"");
+    let rows = |reason: &str| {
+        format!("start_utc,end_utc,reason\n2032-04-02T00:00:00Z,2032-04-02T06:00:00Z,{reason}\n")
+    };
+    put(folder.path(), "b.csv", &rows("burn"));
+    let timeline = timeline(folder.path());
+    assert_eq!(timeline["files"][0]["path"], "b.csv");
+    let report = || {
+        let output = Command::new(env!("CARGO_BIN_EXE_gyrfalcon"))
+            .args(["report", "plan", "--mission", "m.toml", "--out", "again.html"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, error) = report();
+    assert_eq!(code, 0, "{error}");
+    let page = std::fs::read_to_string(folder.path().join("again.html")).unwrap();
+    assert!(page.contains(timeline["files"][0]["sha256"].as_str().unwrap()));
+    put(folder.path(), "b.csv", &rows("other"));
+    let (code, error) = report();
+    assert_eq!(code, 2);
+    assert!(error.contains("was planned with the file b.csv of SHA-256"), "{error}");
+}

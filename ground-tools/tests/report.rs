@@ -207,7 +207,7 @@ fn the_verb_makes_the_same_page_and_holds_the_plan_against_the_rules() {
 
     let (code, _, error) = report(&["--set", "scan.alpha_deg=46"]);
     assert_eq!(code, 2);
-    assert!(error.contains("was planned for a mission with SHA-256"), "{error}");
+    assert!(error.contains("was planned with the mission of SHA-256"), "{error}");
 
     // A session twice; one of another mission; no timeline at all.
     let write = |timeline: &Value| {

@@ -4,12 +4,6 @@ use super::Source;
 use maud::{Markup, html};
 
 pub(super) fn section(source: &Source) -> Markup {
-    let mission = &source.world.mission;
-    let schedule = &mission.calibration.schedule;
-    let files = [
-        ("contacts", schedule.data.as_ref().map(|it| it.contacts.text())),
-        ("blackouts", schedule.blackouts.as_ref().map(crate::mission::FilePath::text)),
-    ];
     html! {
         div.scroll tabindex="0" role="region" aria-label="Inputs" {
             table.inputs {
@@ -17,9 +11,6 @@ pub(super) fn section(source: &Source) -> Markup {
                 tbody {
                     @for (key, value) in source.timeline.provenance.lines() {
                         tr { th scope="row" { (key.replace('_', " ")) } td { code { (value) } } }
-                    }
-                    @for (key, value) in files.iter().filter_map(|(key, value)| Some((key, (*value)?))) {
-                        tr { th scope="row" { (key) } td { code { (value) } } }
                     }
                 }
             }

@@ -144,7 +144,7 @@ fn write(out: &mut String, set: &VectorSet<'_>, provenance: &Provenance) -> fmt:
         "/*\n * Test vectors for flight code: what the flight core of Gyrfalcon answers.\n *"
     )?;
     for (key, value) in provenance.lines() {
-        writeln!(out, " * {key}: {}", in_comment(value))?;
+        writeln!(out, " * {key}: {}", in_comment(&value))?;
     }
     write!(out, " *\n{UNITS} */\n#ifndef GYRFALCON_VECTORS_H\n#define GYRFALCON_VECTORS_H\n\n")?;
     write!(out, "#include <stdint.h>\n#include <string.h>\n\n")?;

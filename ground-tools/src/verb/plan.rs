@@ -17,11 +17,11 @@ use crate::resonance_check::{ResonanceCheck, minutes};
 use crate::revision::{Earlier, Revision};
 use crate::rounding;
 use crate::sightline::{SightLine, of_plan};
-use crate::timeline::{Planned, Resonance, Timeline, session_id};
+use crate::timeline::{Planned, Resonance, Timeline, date, session_id};
 use crate::uplink::{Contents, slow_checks};
 use crate::world::World;
 use ephem::fit::FitOptions;
-use ephem::time::{format_utc, parse_time, utc_day, utc_midnight};
+use ephem::time::{parse_time, utc_day, utc_midnight};
 use onboard_core::time::{Duration, Instant};
 use planner::opportunity::{Opportunities, Pass};
 use planner::schedule::{
@@ -326,10 +326,10 @@ fn contradiction(world: &World, conflict: &Conflict) -> String {
     let rules: Vec<String> = conflict.rules.iter().map(named).collect();
     let place = conflict.season.map_or_else(String::new, |(target, telescope, from)| {
         format!(
-            " of {} on {} in the season from {}",
+            " of {} on {} in the season from {} UTC",
             world.targets[target].name(),
             world.mission.telescopes[telescope].name,
-            format_utc(from)
+            date(from)
         )
     });
     format!(

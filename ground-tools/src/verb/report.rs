@@ -66,17 +66,23 @@ fn same_inputs(file: &Path, plan: &Provenance, world: &World) -> Result<(), Fail
     let here = Provenance::of(world);
     let refuse = |what: &str, option: &str, theirs: &str, ours: &str| {
         Err(Failure::Input(format!(
-            "{} was planned for {what} with SHA-256 {theirs}, but this one has {ours}: the same {what} \
-             is needed, by {option}",
+            "{} was planned with the {what} of SHA-256 {theirs}, but here it is {ours}: that {what} is \
+             needed, by {option}",
             file.display()
         )))
     };
     if plan.mission_sha256 != here.mission_sha256 {
         let options = "--mission, --set and the options that the plan had";
-        return refuse("a mission", options, &plan.mission_sha256, &here.mission_sha256);
+        return refuse("mission", options, &plan.mission_sha256, &here.mission_sha256);
+    }
+    if let Some(other) = plan.files.iter().find(|it| !here.files.contains(it)) {
+        let ours = here.files.iter().find(|it| it.path == other.path);
+        let ours = ours.map_or("not to be read", |it| it.sha256.as_str());
+        let what = format!("file {}", other.path);
+        return refuse(&what, "the mission's key", &other.sha256, ours);
     }
     if plan.kernel_sha256 != here.kernel_sha256 {
-        return refuse("a kernel", "--ephemeris", &plan.kernel_sha256, &here.kernel_sha256);
+        return refuse("kernel", "--ephemeris", &plan.kernel_sha256, &here.kernel_sha256);
     }
     Ok(())
 }
