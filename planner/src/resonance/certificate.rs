@@ -28,7 +28,8 @@
 use super::bound::{Band, Bounded, Slice, Survey};
 use super::motion::{Motion, MotionError};
 use super::orbit::Orbit;
-use super::power::{Predictor, gcd};
+use super::pairs::gcd;
+use super::power::Predictor;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
@@ -392,7 +393,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "10,000 points"]
     fn none_of_10_000_points_exceeds_its_bound() {
         points_stay_below(50, 200, 128);
     }

@@ -19,14 +19,14 @@
 //! Limits: terms dropped add less than [`NEGLIGIBLE`] each to the variance.
 
 use super::motion::Motion;
-use super::wigner::{LANES, MAX_L, RightAngle, fill_wigner_d, wigner_d};
+use super::pairs::{Pair, gcd};
+use super::wigner::{MAX_L, RightAngle, wigner_d};
 use super::window::Window;
-use pulp::{Arch, NullaryFnOnce};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// A product of two terms in the variance that is left out.
-pub const NEGLIGIBLE: f64 = 1e-7;
+pub(super) const NEGLIGIBLE: f64 = 1e-7;
 /// A pair that is left out, by its largest possible power.
 pub(super) const NEGLIGIBLE_PAIR: f64 = 1e-13;
 /// Reach in m for one orbit or more.
@@ -81,37 +81,6 @@ impl Resonance {
     }
 }
 
-/// A pair's degrees.
-#[derive(Debug, Clone)]
-pub(super) struct Pair {
-    pub(super) k: i32,
-    pub(super) j: i32,
-    /// `sqrt(2l + 1) w_l d_kj(alpha) d_j0(beta)` from l = 0; zero at l = 0.
-    pub(super) amplitudes: Vec<f64>,
-    squares: Vec<f64>,
-    /// Sum of squares: no P(m) exceeds it.
-    pub(super) ceiling: f64,
-    /// P(m) in blocks of [`LANES`] from m = 0; not a number where not known yet.
-    powers: Vec<f64>,
-}
-
-impl Pair {
-    /// P(m), m not negative.
-    fn power(&mut self, m: usize, right_angle: &mut RightAngle) -> f64 {
-        match self.powers.get(m) {
-            None => 0.0,
-            Some(power) if power.is_nan() => {
-                let sums = right_angle.sums(m / LANES, self.k, &self.squares);
-                for (power, sum) in self.powers.iter_mut().skip(m - m % LANES).zip(sums) {
-                    *power = sum;
-                }
-                self.powers.get(m).copied().unwrap_or(0.0)
-            }
-            Some(power) => *power,
-        }
-    }
-}
-
 /// A term at one m: the pair, whether its conjugate, and the factor at the survey's rates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Term {
@@ -126,21 +95,18 @@ pub(super) struct Term {
 pub struct Predictor {
     pub(super) alpha_rad: f64,
     pub(super) beta_rad: f64,
-    window: Window,
+    pub(super) window: Window,
     /// `d^l_j0(beta)` by j, not negative.
-    spins: BTreeMap<i32, Vec<f64>>,
+    pub(super) spins: BTreeMap<i32, Vec<f64>>,
     pub(super) pairs: Vec<Pair>,
-    right_angle: RightAngle,
+    pub(super) right_angle: RightAngle,
     /// Index of each pair, or that it is negligible; k not negative.
-    index: BTreeMap<(i32, i32), Option<usize>>,
+    pub(super) index: BTreeMap<(i32, i32), Option<usize>>,
     /// Products of two pairs by m, over even and odd l.
-    products: BTreeMap<(i32, usize, usize), [f64; 2]>,
+    pub(super) products: BTreeMap<(i32, usize, usize), [f64; 2]>,
     /// Amplitudes by m and pair.
-    rows: BTreeMap<(i32, usize), Vec<f64>>,
+    pub(super) rows: BTreeMap<(i32, usize), Vec<f64>>,
 }
-
-/// Rows that are kept.
-const MOST_ROWS: usize = 4096;
 
 /// Index of the smooth pair.
 pub(super) const SMOOTH: usize = 0;
@@ -181,79 +147,6 @@ impl Predictor {
     #[must_use]
     pub fn reach(motion: &Motion) -> f64 {
         REACH / motion.orbits().abs().min(1.0)
-    }
-
-    /// `sqrt(2l + 1) w_l d_kj(alpha) d_j0(beta)`, k not negative.
-    fn make_pair(&mut self, k: i32, j: i32) -> Pair {
-        let size = self.window.weights().len();
-        let beta_rad = self.beta_rad;
-        let spin = self
-            .spins
-            .entry(j.abs())
-            .or_insert_with(|| wigner_d(j.abs(), 0, beta_rad, size.saturating_sub(1)));
-        // d_(-j)0 = (-1)^j d_j0
-        let sign = if j < 0 && j % 2 != 0 { -1.0 } else { 1.0 };
-        let mut amplitudes = vec![0.0; size];
-        fill_wigner_d(k, j, self.alpha_rad, &mut amplitudes);
-        let mut l = 0.0_f64;
-        for ((value, w), spin) in amplitudes.iter_mut().zip(self.window.weights()).zip(&*spin) {
-            *value *= if l > 0.0 { sign * (2.0 * l + 1.0).sqrt() * w * spin } else { 0.0 };
-            l += 1.0;
-        }
-        let squares: Vec<f64> = amplitudes.iter().map(|a| a * a).collect();
-        let ceiling = squares.iter().sum();
-        Pair { k, j, amplitudes, squares, ceiling, powers: vec![f64::NAN; size] }
-    }
-
-    /// The pair of (k, j), k not negative; `None` where it is negligible at any m.
-    pub(super) fn pair(&mut self, k: i32, j: i32) -> Option<usize> {
-        if let Some(&known) = self.index.get(&(k, j)) {
-            return known;
-        }
-        let pair = self.make_pair(k, j);
-        let at = (pair.ceiling >= NEGLIGIBLE_PAIR).then_some(self.pairs.len());
-        if at.is_some() {
-            self.pairs.push(pair);
-        }
-        self.index.insert((k, j), at);
-        at
-    }
-
-    /// Pairs, one of each (k, j) and (-k, -j), with `|m*|` below `limit` anywhere between the least
-    /// and the largest of `standing`.
-    pub(super) fn pairs_standing(
-        &mut self,
-        motion: &Motion,
-        limit: f64,
-        spread: impl Fn(i32, i32) -> f64,
-    ) -> Vec<usize> {
-        let l_max = self.l_max();
-        let mut found = Vec::new();
-        // m* per turn of precession.
-        let slope = motion.standing(1, 0);
-        for j in -l_max..=l_max {
-            let at_zero = motion.standing(0, j);
-            // |at_zero + slope k| <= limit + spread, k >= 0
-            let reach = limit + spread(l_max, j);
-            let bounds = [(-reach - at_zero) / slope, (reach - at_zero) / slope];
-            let low = bounds[0].min(bounds[1]).ceil().max(0.0);
-            let high = bounds[0].max(bounds[1]).floor().min(f64::from(l_max));
-            if low > high || (low - high).is_nan() {
-                continue;
-            }
-            #[expect(clippy::cast_possible_truncation, reason = "within 0 to l_max")]
-            let (low, high) = (low as i32, high as i32);
-            for k in low..=high {
-                if (k == 0 && j <= 0)
-                    || motion.standing(k, j).abs() > limit + spread(k, j)
-                    || !visible(self.alpha_rad, self.beta_rad, [k, j, l_max])
-                {
-                    continue;
-                }
-                found.extend(self.pair(k, j));
-            }
-        }
-        found
     }
 
     /// The terms at m >= 0 of a motion.
@@ -349,11 +242,6 @@ impl Predictor {
         4.0 * slowness / motion.duration_s * self.window.powers_beyond()
     }
 
-    /// P(|m|) of a pair.
-    pub(super) fn pair_power(&mut self, pair: usize, m: i32) -> f64 {
-        self.pairs[pair].power(m.unsigned_abs() as usize, &mut self.right_angle)
-    }
-
     /// `sum_l` of the product of two terms' real amplitudes at the same m.
     fn product(&mut self, a: &Term, b: &Term) -> f64 {
         let [even, odd] = self.products(a.m, a.pair, b.pair);
@@ -363,29 +251,6 @@ impl Predictor {
             .count();
         let product = if a.conjugate == b.conjugate { even + odd } else { even - odd };
         if flips % 2 == 0 { product } else { -product }
-    }
-
-    /// `sum_l` of the product of two pairs' amplitudes at m, over even and over odd l.
-    pub(super) fn products(&mut self, m: i32, a: usize, b: usize) -> [f64; 2] {
-        let key = (m, a.min(b), a.max(b));
-        if let Some(&known) = self.products.get(&key) {
-            return known;
-        }
-        if self.rows.len() > MOST_ROWS {
-            self.rows.clear();
-        }
-        for pair in [a, b] {
-            if !self.rows.contains_key(&(m, pair)) {
-                let Pair { k, amplitudes, .. } = &self.pairs[pair];
-                let orders = [m, *k].map(|it| it.unsigned_abs() as usize);
-                let row = self.right_angle.row(orders, amplitudes);
-                self.rows.insert((m, pair), row);
-            }
-        }
-        let row = |pair| self.rows.get(&(m, pair)).map_or(&[][..], Vec::as_slice);
-        let parts = Arch::new().dispatch(Parities { a: row(a), b: row(b) });
-        self.products.insert(key, parts);
-        parts
     }
 
     /// `sqrt(2l + 1) w_l d_mk(90 deg) d_kj(alpha) d_j0(beta)` of a term.
@@ -400,44 +265,6 @@ impl Predictor {
         }
         row
     }
-}
-
-/// The sums of products over even and over odd places.
-struct Parities<'r> {
-    a: &'r [f64],
-    b: &'r [f64],
-}
-
-impl NullaryFnOnce for Parities<'_> {
-    type Output = [f64; 2];
-
-    /// Sums in the same order on every instruction set.
-    #[expect(clippy::inline_always, reason = "compiled for each instruction set")]
-    #[inline(always)]
-    fn call(self) -> [f64; 2] {
-        let (whole, rest) = self.a.as_chunks::<16>();
-        let (other, other_rest) = self.b.as_chunks::<16>();
-        let mut sums = [0.0; 16];
-        for (a, b) in whole.iter().zip(other) {
-            for i in 0..16 {
-                sums[i] += a[i] * b[i];
-            }
-        }
-        for (sum, (a, b)) in sums.iter_mut().zip(rest.iter().zip(other_rest)) {
-            *sum += a * b;
-        }
-        [0, 1].map(|odd| sums.iter().skip(odd).step_by(2).sum())
-    }
-}
-
-/// Whether degrees to `l_max` see a pair: beyond the turning points of all three functions, with
-/// room for what leaks below them.
-fn visible(alpha_rad: f64, beta_rad: f64, [k, j, l_max]: [i32; 3]) -> bool {
-    let (k, j, l) = (f64::from(k), f64::from(j), f64::from(l_max));
-    let turning = (k * k + j * j - 2.0 * k * j * alpha_rad.cos()).max(0.0).sqrt();
-    // Below its turning point a function falls over a range of about l^(1/3).
-    let room = 1.0 + 12.0 / l.powf(2.0 / 3.0).max(1.0);
-    turning <= room * l * alpha_rad.sin() + 8.0 && j.abs() <= room * l * beta_rad.sin() + 8.0
 }
 
 /// `exp(i phase)`.
@@ -483,15 +310,6 @@ fn coefficients(sizes: &mut Vec<f64>, m_star: f64, orbits: f64, reach: f64) {
     }
 }
 
-/// The greatest common divisor, not negative.
-pub(super) fn gcd(a: i32, b: i32) -> i32 {
-    let (mut a, mut b) = (a.abs(), b.abs());
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
-}
-
 /// `S`, the sum over all m of `sinc^2(pi N_o (m - m*))`.
 pub(super) fn all_of_sinc(m_star: f64, orbits: f64) -> f64 {
     let orbits = orbits.abs();
@@ -510,6 +328,7 @@ pub(super) fn sinc(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::pairs::visible;
     use super::*;
     use crate::healpix::Nside;
 
