@@ -9,7 +9,6 @@ use planner::program::{
     Aids, Cell, Choice, Ended, Family, Gain, Limits, Outcome, Program, Row, solve,
 };
 use programs::{Instance, Shape, SplitMix64, Values, instance, stored};
-use std::fmt::Write;
 
 /// What must hold of any outcome.
 fn hold(program: &Program, found: &Outcome) {
@@ -142,29 +141,6 @@ fn intervals_alone_are_solved_exactly() {
             assert_eq!(found.value, longest_path(&instance, 3));
             assert_eq!((found.bound, found.ended), (found.value, Ended::Proven));
         }
-    }
-}
-
-/// Writes the instances whose optima are stored as text, for `tests/oracle/programs.py`.
-#[test]
-#[ignore = "writes files for the oracle: GYRFALCON_PROGRAMS names the folder"]
-fn write_programmes() {
-    let Some(folder) = std::env::var_os("GYRFALCON_PROGRAMS").map(std::path::PathBuf::from) else {
-        return;
-    };
-    for (name, shape, seed) in stored() {
-        let program = instance(&shape, seed).program;
-        let mut text = String::new();
-        let terms = |terms: &[(usize, i64)]| -> String {
-            let all: Vec<String> = terms.iter().map(|it| format!(" {}:{}", it.0, it.1)).collect();
-            all.concat()
-        };
-        let values: Vec<String> = program.values.iter().map(ToString::to_string).collect();
-        writeln!(text, "{}", values.join(" ")).unwrap();
-        for row in &program.rows {
-            writeln!(text, "{}{}", row.limit, terms(&row.terms)).unwrap();
-        }
-        std::fs::write(folder.join(format!("{name}.txt")), text).unwrap();
     }
 }
 

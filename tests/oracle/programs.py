@@ -1,6 +1,6 @@
 """Optima of the programmes in planner/tests/program.rs, by HiGHS.
 
-    GYRFALCON_PROGRAMS=folder cargo test -p planner --test program -- --ignored write_programmes
+    cargo run --release -p planner --example programmes -- folder
     python3 tests/oracle/programs.py folder > tests/data/program_optima.csv
 
 Needs highspy 1.15 from PyPI. Each file holds one programme: the values, then a row per line, its
