@@ -54,6 +54,8 @@ pub(super) struct Built<'m> {
     pub(super) program: Program,
     /// The rule of each row, where one row is one rule at one place.
     pub(super) rules: Vec<Option<Rule>>,
+    /// The rows before this one are those of overlap, days and starts.
+    pub(super) further: usize,
     pub(super) families: Vec<Box<dyn Family + 'm>>,
     /// What the programme's values are above those of the schedule, in units.
     pub(super) offset: i128,
@@ -113,6 +115,7 @@ pub(super) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
             cells: Vec::new(),
         },
         rules: Vec::new(),
+        further: 0,
         families: Vec::new(),
         offset: 0,
         unit,
@@ -123,6 +126,7 @@ pub(super) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
     built.overlaps(model);
     built.days(model);
     built.starts(model);
+    built.further = built.program.rows.len();
     built.heat(model, demands);
     built.memory(facts, demands, problem.span);
     for diversity in &demands.diversity {
