@@ -306,8 +306,8 @@ fn a_search_that_is_stopped_returns_the_best_so_far() {
     assert!(found.objective > 0.0 && found.upper_bound.is_finite());
     let whole = schedule(&problem).unwrap();
     assert!(whole.objective >= found.objective && whole.objective <= found.upper_bound);
-    // Reserved time in windows that slide leaves much to the search: no small gap is claimed.
-    assert!(whole.gap < 0.2, "{}", whole.gap);
+    // Reserved time in windows that slide leaves the bound weak: no small gap is claimed.
+    assert!(whole.gap < 0.11, "{}", whole.gap);
 }
 
 /// Sixty days of 24 opportunities each over three telescopes and two targets, more than the memory, the
@@ -348,20 +348,6 @@ fn memory_seasons_and_gaps_that_bind_together_leave_a_small_gap() {
     assert_eq!(check(&problem, &found.chosen), Ok(()));
     assert!((found.objective - worth(&problem, &found.chosen)).abs() < 1e-6 * found.objective);
     assert!(found.gap < 0.05, "{} of {}: {}", found.objective, found.upper_bound, found.gap);
-}
-
-#[test]
-fn a_thermal_window_over_a_month_leaves_a_small_gap() {
-    let mut random = SplitMix64(5);
-    let candidates = (0..300).map(|_| {
-        let (target, telescope) = (index(random.between(0, 1)), index(random.between(0, 2)));
-        candidate(target, telescope, random.between(20, 40_000), random.between(30, 150))
-    });
-    let mut problem = problem(candidates.collect(), 30);
-    problem.demands.thermal = Some(Thermal { most: minutes(200), window: Duration::from_ns(DAY) });
-    let found = schedule(&problem).unwrap();
-    assert_eq!(check(&problem, &found.chosen), Ok(()));
-    assert!(found.gap < 0.03, "{} of {}: {}", found.objective, found.upper_bound, found.gap);
 }
 
 #[test]

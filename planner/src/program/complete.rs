@@ -185,8 +185,8 @@ impl<'p, 'a> Filling<'p, 'a> {
         };
         let took = self.fill(stretch, &varied);
         // Rows with coefficients below zero may miss what was given back.
-        let lost = value - self.state.value();
-        if lost >= loss.max(0) || self.state.broken_rows().next().is_some() {
+        let worse = value - self.state.value();
+        if worse >= loss.max(0) || self.state.broken_rows().next().is_some() {
             for choice in took {
                 self.set(choice, false);
             }

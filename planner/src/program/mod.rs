@@ -339,11 +339,11 @@ pub(crate) fn solve_from(
     let filling = !aids.families.is_empty() && program.values.len() <= complete::MOST_CHOICES;
     let mut pays = if filling { complete::by_shares(program, &index) } else { Vec::new() };
     let start = round::repaired(program, &index, aids.start);
-    offer(program, &index, (aids, &pays), start, &mut best);
-    offer(program, &index, (aids, &pays), round::greedy(program, &index), &mut best);
+    offer(program, &index, (aids, &pays), &start, &mut best);
+    offer(program, &index, (aids, &pays), &round::greedy(program, &index), &mut best);
     if filling {
         let set = filled_up(program, &index, (aids, &pays), round::always(program, &index).marks());
-        offer(program, &index, (aids, &pays), set, &mut best);
+        offer(program, &index, (aids, &pays), &set, &mut best);
     }
 
     // The root: relax, bound, round, cut, and again.
@@ -371,7 +371,7 @@ pub(crate) fn solve_from(
             pays = complete::by_prices(program, &relaxed);
             let set = round::always(program, &index).marks();
             let set = filled_up(program, &index, (aids, &pays), set);
-            offer(program, &index, (aids, &pays), set, &mut best);
+            offer(program, &index, (aids, &pays), &set, &mut best);
         }
         let found = bound::priced(program, &relaxed.prices);
         let gained = bound - found.bound;
@@ -385,7 +385,7 @@ pub(crate) fn solve_from(
         }
         for way in 0..round::WAYS {
             let set = round::rounded(program, &index, &shares, way);
-            offer(program, &index, (aids, &pays), set, &mut best);
+            offer(program, &index, (aids, &pays), &set, &mut best);
         }
         if let Some((_, value)) = &best
             && !found.note(*value, &mut fixes)
@@ -521,13 +521,13 @@ fn offer(
     program: &Program,
     index: &Index,
     (aids, pays): (&Aids<'_>, &[f64]),
-    set: Vec<bool>,
+    set: &[bool],
     best: &mut Best,
 ) {
-    let state = State::of(program, index, &set);
+    let state = State::of(program, index, set);
     let better = best.as_ref().is_none_or(|(_, value)| state.value() > *value);
     if better && state.meets_choices() && state.broken_rows().next().is_none() {
-        let own = round::within_families(program, index, aids, set.clone());
+        let own = round::within_families(program, index, aids, set.to_vec());
         // What was given back leaves room.
         let gave = own != set;
         let room = gave && !pays.is_empty();

@@ -44,6 +44,7 @@ const ROW_ROUNDS: usize = 8;
 pub type Stop<'a> = Option<&'a (dyn Fn() -> bool + Sync)>;
 
 /// The schedule of a validated problem.
+#[expect(clippy::too_many_lines, reason = "the steps, one after the other")]
 pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, ScheduleError> {
     let demands = &problem.demands;
     let (model, mut reasons) = Model::new(problem);
