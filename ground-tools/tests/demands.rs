@@ -348,6 +348,8 @@ fn seasons_are_met_where_gaps_cost_more_than_sessions() {
         .args(["--set", "calibration.schedule.exclusive=telescope"])
         .args(["--set", "calibration.schedule.thermal=none"])
         .args(["--set", "calibration.schedule.data.rate_bit_s=20e6"])
+        .args(["--set", "calibration.schedule.data.memory_bit=3e11"])
+        .args(["--set", "calibration.schedule.longest_gain_gap.days=5.0"])
         .args(["--set", "calibration.schedule.longest_gain_gap.price_per_day=600"])
         .current_dir(folder.path())
         .output()

@@ -306,6 +306,69 @@ fn a_search_that_is_stopped_returns_the_best_so_far() {
     assert!(found.objective > 0.0 && found.upper_bound.is_finite());
     let whole = schedule(&problem).unwrap();
     assert!(whole.objective >= found.objective && whole.objective <= found.upper_bound);
-    // Reserved time in windows that slide leaves much to the search: no small gap is claimed.
-    assert!(whole.gap < 0.2, "{}", whole.gap);
+    // Reserved time in windows that slide leaves the bound weak: no small gap is claimed.
+    assert!(whole.gap < 0.11, "{}", whole.gap);
+}
+
+/// Sixty days of 24 opportunities each over three telescopes and two targets, more than the memory, the
+/// seasons and the gaps leave room for.
+fn campaign() -> Problem {
+    let mut random = SplitMix64(77);
+    let candidates = (0..60 * 24).map(|_| {
+        let length = random.between(30, 110);
+        let telescope = index(random.between(0, 2));
+        let target = index(random.between(0, 1));
+        let start = random.between(20, 86_200);
+        let dwell = minutes(length * random.between(20, 70) / 100);
+        Candidate { dwell, ..candidate(target, telescope, start, length) }
+    });
+    let mut problem = problem(candidates.collect(), 60);
+    let contacts = (0..60).filter(|day| day % 7 != 4).map(|day| Contact {
+        from: at(1_440 * day + 780),
+        until: at(1_440 * day + 1_020),
+        bit_s: 8_000_000,
+    });
+    problem.demands = Demands {
+        min_sessions: Some(SessionCount { count: 4, window: minutes(15 * 1_440) }),
+        longest_gap: Some(LongestGap { longest: minutes(3 * 1_440), price_per_day: 4_000.0 }),
+        data: Some(Data {
+            rate_bit_s: 20_000_000,
+            memory_bit: 200_000_000_000,
+            contacts: contacts.collect(),
+        }),
+        ..Demands::default()
+    };
+    problem
+}
+
+#[test]
+fn memory_seasons_and_gaps_that_bind_together_leave_a_small_gap() {
+    let problem = campaign();
+    let found = schedule(&problem).unwrap();
+    assert_eq!(check(&problem, &found.chosen), Ok(()));
+    assert!((found.objective - worth(&problem, &found.chosen)).abs() < 1e-6 * found.objective);
+    assert!(found.gap < 0.05, "{} of {}: {}", found.objective, found.upper_bound, found.gap);
+}
+
+#[test]
+fn scan_angles_that_single_sessions_break_are_taken_together() {
+    let mut random = SplitMix64(13);
+    let candidates: Vec<Candidate> = (0..240)
+        .map(|_| {
+            let (target, telescope) = (index(random.between(0, 1)), index(random.between(0, 2)));
+            candidate(target, telescope, random.between(20, 43_000), random.between(30, 110))
+        })
+        .collect();
+    let mut problem = problem(candidates, 30);
+    let sums = problem.candidates.iter().map(|it| {
+        let angle = f64::from(i32::try_from(random.between(0, 359)).unwrap()).to_radians();
+        let w = it.dwell.seconds();
+        [w, w * (2.0 * angle).cos(), w * (2.0 * angle).sin()]
+    });
+    let sums = sums.collect();
+    problem.demands.diversity = vec![Diversity { n: 2, rho: 0.1, sums }];
+    let found = schedule(&problem).unwrap();
+    assert_eq!(check(&problem, &found.chosen), Ok(()));
+    assert!(!found.chosen.is_empty());
+    assert!(found.gap < 0.05, "{} of {}: {}", found.objective, found.upper_bound, found.gap);
 }

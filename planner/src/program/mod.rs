@@ -22,16 +22,19 @@ mod state;
 mod bound;
 mod relaxation;
 mod round;
+mod complete;
 mod cover;
 mod simplex;
 mod waiting;
 mod branch;
 mod choose;
 mod exchange;
+mod charge;
 
 pub use gain::Gain;
 
 use bound::Prices;
+pub(crate) use charge::{Charged, charged, grow};
 pub(crate) use relaxation::Relaxed;
 use state::{Index, State};
 use thiserror::Error;
@@ -358,8 +361,16 @@ pub(crate) fn solve_from(
     let mut index = Index::new(program);
     forced(program, &index)?;
     let mut best: Best = None;
-    offer(program, &index, aids, round::repaired(program, &index, aids.start), &mut best);
-    offer(program, &index, aids, round::greedy(program, &index), &mut best);
+    // What each choice pays, where families let rounded sets fall short.
+    let filling = !aids.families.is_empty() && program.values.len() <= complete::MOST_CHOICES;
+    let mut pays = if filling { complete::by_shares(program, &index) } else { Vec::new() };
+    let start = round::repaired(program, &index, aids.start);
+    offer(program, &index, (aids, &pays), &start, &mut best);
+    offer(program, &index, (aids, &pays), &round::greedy(program, &index), &mut best);
+    if filling {
+        let set = filled_up(program, &index, (aids, &pays), round::always(program, &index).marks());
+        offer(program, &index, (aids, &pays), &set, &mut best);
+    }
 
     // The root: relax, bound, round, cut, and again.
     let mut prices = Prices::none(program);
@@ -384,6 +395,12 @@ pub(crate) fn solve_from(
         }
         let ready = relaxed.take();
         let Some(relaxed) = ready.or_else(|| relaxation::solve(program, &shares)) else { break };
+        if filling {
+            pays = complete::by_prices(program, &relaxed);
+            let set = round::always(program, &index).marks();
+            let set = filled_up(program, &index, (aids, &pays), set);
+            offer(program, &index, (aids, &pays), &set, &mut best);
+        }
         let found = bound::priced(program, &relaxed.prices);
         let gained = bound - found.bound;
         if found.bound <= bound {
@@ -396,14 +413,15 @@ pub(crate) fn solve_from(
         }
         for way in 0..round::WAYS {
             let set = round::rounded(program, &index, &shares, way);
-            offer(program, &index, aids, set, &mut best);
+            offer(program, &index, (aids, &pays), &set, &mut best);
         }
         if let Some((_, value)) = &best
             && !found.note(*value, &mut fixes)
         {
             bound = *value;
         }
-        let small = round > 1 && gained < (bound.abs() >> 12);
+        let missing = best.as_ref().map_or(i128::MAX, |(_, value)| (bound - value) >> 6);
+        let small = round > 1 && gained < (bound.abs() >> 12).min(missing);
         if round == limits.cut_rounds || small {
             break;
         }
@@ -433,9 +451,16 @@ pub(crate) fn solve_from(
             shares: &shares,
         };
         let mut open = noted(&reserve, best.as_ref(), &mut fixes);
+        let large = open.is_some_and(|open| open > exchange::PART);
+        if filling && large {
+            renewed(search.program, search.index, (aids, &pays), &mut best);
+        }
         // Exchanges first where the rest is large: a better set fixes more.
-        if open.is_some_and(|open| open > exchange::PART) {
+        if large {
             search.exchange(&mut best);
+            if filling {
+                renewed(search.program, search.index, (aids, &pays), &mut best);
+            }
             open = noted(&reserve, best.as_ref(), &mut fixes);
         }
         let whole =
@@ -505,13 +530,47 @@ fn forced(program: &Program, index: &Index) -> Result<(), ProgramError> {
     })
 }
 
+/// Gives back and fills anew the stretches of the best set.
+fn renewed(program: &Program, index: &Index, (aids, pays): (&Aids<'_>, &[f64]), best: &mut Best) {
+    if let Some((set, value)) = best {
+        let mut filling = complete::Filling::new(program, index, aids, set.clone());
+        filling.improve(pays);
+        let better = filling.marks();
+        *value = State::of(program, index, &better).value();
+        *set = better;
+    }
+}
+
+/// A set that breaks nothing, filled up by what choices pay.
+fn filled_up(
+    program: &Program,
+    index: &Index,
+    (aids, pays): (&Aids<'_>, &[f64]),
+    set: Vec<bool>,
+) -> Vec<bool> {
+    let all = 0..set.len();
+    let mut filling = complete::Filling::new(program, index, aids, set);
+    filling.fill(all, &|choice| pays[choice]);
+    filling.marks()
+}
+
 /// Keeps a set that meets all rows and is better; rows of families that it breaks are left to the
 /// search.
-fn offer(program: &Program, index: &Index, aids: &Aids<'_>, set: Vec<bool>, best: &mut Best) {
-    let state = State::of(program, index, &set);
+fn offer(
+    program: &Program,
+    index: &Index,
+    (aids, pays): (&Aids<'_>, &[f64]),
+    set: &[bool],
+    best: &mut Best,
+) {
+    let state = State::of(program, index, set);
     let better = best.as_ref().is_none_or(|(_, value)| state.value() > *value);
     if better && state.meets_choices() && state.broken_rows().next().is_none() {
-        let set = round::within_families(program, index, aids, set);
+        let own = round::within_families(program, index, aids, set.to_vec());
+        // What was given back leaves room.
+        let gave = own != set;
+        let room = gave && !pays.is_empty();
+        let set = if room { filled_up(program, index, (aids, pays), own) } else { own };
         let state = State::of(program, index, &set);
         let met = state.meets_choices()
             && state.broken_rows().next().is_none()

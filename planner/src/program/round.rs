@@ -26,17 +26,21 @@ pub(super) fn always<'p>(program: &'p Program, index: &'p Index) -> State<'p> {
     state
 }
 
-/// Value of a choice per share of the rows it uses.
-fn density(program: &Program, index: &Index, choice: usize) -> f64 {
+/// The shares of the rows that a choice uses, together.
+pub(super) fn uses(program: &Program, index: &Index, choice: usize) -> f64 {
     let share = |&(row, coefficient): &(usize, i64)| {
         f64_from_i64(coefficient.max(0)) / f64_from_i64(program.rows[row].limit.max(1))
     };
-    let uses: f64 = index.rows[choice].iter().map(share).sum();
+    index.rows[choice].iter().map(share).sum::<f64>().max(1e-9)
+}
+
+/// Value of a choice per share of the rows it uses.
+fn density(program: &Program, index: &Index, choice: usize) -> f64 {
     let cells = index.cells[choice].iter().map(|&(cell, adds)| {
         let cell = &program.cells[cell];
         f64_from_i64(cell.gain.at(cell.base + adds) - cell.gain.at(cell.base))
     });
-    (f64_from_i64(program.values[choice]) + cells.sum::<f64>()) / uses.max(1e-9)
+    (f64_from_i64(program.values[choice]) + cells.sum::<f64>()) / uses(program, index, choice)
 }
 
 /// Choices by what they bring for what they use.

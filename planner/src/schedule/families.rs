@@ -18,6 +18,12 @@ use crate::program::{Family, Row};
 
 /// Most rows that a family gives at once.
 const AT_ONCE: usize = 50;
+/// Shares below this are none.
+const SHARE: f64 = 1e-6;
+/// Shares must break a row by this part of its limit.
+const BROKEN: f64 = 1e-4;
+/// Windows of reserved time that shares break are at least this part of a window apart.
+const WINDOWS_APART: i64 = 24;
 /// Length of the direction of a tangent.
 pub(super) const DIRECTION: f64 = 1_048_576.0;
 
@@ -98,6 +104,45 @@ impl Family for Heat<'_> {
         let over = places.filter(|&from| used(from) > i128::from(self.most));
         over.take(AT_ONCE).map(|from| self.row(from)).collect()
     }
+
+    fn separate(&self, shares: &[f64]) -> Vec<Row> {
+        let standing: Vec<(Session, f64)> = self
+            .sessions
+            .iter()
+            .zip(shares)
+            .filter(|it| *it.1 > SHARE)
+            .map(|(session, share)| (*session, *share))
+            .collect();
+        let most = f64_from_i128(i128::from(self.most));
+        let used = |from: i64| -> f64 {
+            let until = from.saturating_add(self.window);
+            let early = from.saturating_sub(self.longest);
+            let first = standing.partition_point(|it| it.0.start < early);
+            let near = standing[first..].iter().take_while(|it| it.0.start < until);
+            let inside = near.map(|(it, share)| {
+                let ns = it.end.min(until).saturating_sub(it.start.max(from)).max(0);
+                share * f64_from_i128(i128::from(ns))
+            });
+            inside.sum()
+        };
+        let places =
+            standing.iter().flat_map(|it| [it.0.start, it.0.end.saturating_sub(self.window)]);
+        let mut over: Vec<(f64, i64)> = places
+            .map(|from| (used(from) - most, from))
+            .filter(|it| it.0 > BROKEN * most)
+            .collect();
+        over.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        // Neighbours say nearly the same.
+        let apart = self.window / WINDOWS_APART;
+        let mut chosen: Vec<i64> = Vec::new();
+        for (_, from) in over {
+            let near = |it: &i64| from.abs_diff(*it) < apart.unsigned_abs();
+            if chosen.len() < AT_ONCE && !chosen.iter().any(near) {
+                chosen.push(from);
+            }
+        }
+        chosen.into_iter().map(|from| self.row(from)).collect()
+    }
 }
 
 /// The memory never overflows. Sessions here are the intervals that produce data.
@@ -170,6 +215,52 @@ impl Family for Memory<'_> {
                 }
             }
         }
+        rows
+    }
+
+    fn separate(&self, shares: &[f64]) -> Vec<Row> {
+        let bits = |rate: u64| f64_from_i128(i128::from(rate)) / f64_from_i128(NS);
+        let mut changes: Vec<(i64, f64)> = Vec::new();
+        for (&(start, end), share) in self.produces.iter().zip(shares) {
+            if *share > SHARE {
+                let rate = bits(self.data.rate_bit_s) * share;
+                changes.extend([(start, rate), (end, -rate)]);
+            }
+        }
+        for contact in &self.data.contacts {
+            let sends = bits(contact.bit_s);
+            changes.extend([(contact.from.tai_ns(), -sends), (contact.until.tai_ns(), sends)]);
+        }
+        changes.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let size = bits(self.data.memory_bit) * f64_from_i128(NS);
+        let mut rows = Vec::new();
+        // The worst stretch between two lowest levels, and the first that is too much.
+        let (mut level, mut slope, mut at) = (0.0, 0.0, i64::MIN);
+        let (mut lowest, mut since) = (0.0, changes.first().map_or(0, |it| it.0));
+        let mut worst: Option<(f64, i64, i64)> = None;
+        let mut first: Option<(i64, i64)> = None;
+        let mut end = |worst: &mut Option<(f64, i64, i64)>, first: &mut Option<(i64, i64)>| {
+            let found = worst.take().map(|it| (it.1, it.2));
+            let first = first.take().filter(|it| Some(*it) != found);
+            rows.extend(found.into_iter().chain(first).map(|(from, until)| self.row(from, until)));
+        };
+        for (when, change) in changes {
+            if at > i64::MIN {
+                level += slope * f64_from_i128(i128::from(when) - i128::from(at));
+            }
+            at = when;
+            slope += change;
+            if level < lowest {
+                end(&mut worst, &mut first);
+                (lowest, since) = (level, when);
+            }
+            let over = level - lowest - size;
+            if over > BROKEN * size && worst.is_none_or(|it| over > it.0) {
+                worst = Some((over, since, when));
+                first = first.or(Some((since, when)));
+            }
+        }
+        end(&mut worst, &mut first);
         rows
     }
 }

@@ -110,6 +110,17 @@ impl Model {
         (model, reasons)
     }
 
+    /// The same with other values, per session; those not above zero left out.
+    pub(super) fn with_values(&self, values: &[i64]) -> Self {
+        let worth = self.sessions.iter().zip(values).filter(|it| *it.1 > 0);
+        Self {
+            sessions: worth.map(|(it, &value)| Session { value, ..*it }).collect(),
+            cells: self.cells.clone(),
+            lane_names: self.lane_names.clone(),
+            ..*self
+        }
+    }
+
     /// Whether two sessions must not stand together because they overlap.
     pub(super) const fn clash(&self, a: &Session, b: &Session) -> bool {
         self.lanes > 0 && a.lane == b.lane && a.overlaps(b)

@@ -67,6 +67,8 @@ pub(super) struct Built<'m> {
     pub(super) program: Program,
     /// The rule of each row, where one row is one rule at one place.
     pub(super) rules: Vec<Option<Rule>>,
+    /// The rows before this one are those of overlap, days and starts.
+    pub(super) further: usize,
     pub(super) families: Vec<Box<dyn Family + 'm>>,
     /// What the programme's values are above those of the schedule, in units.
     pub(super) offset: i128,
@@ -75,6 +77,8 @@ pub(super) struct Built<'m> {
     pub(super) seasons: Vec<Season>,
     pub(super) gaps: Vec<Gap>,
     pub(super) angles: Vec<Angles>,
+    /// Rows that families added to the programme, and which family.
+    pub(super) grown: Vec<(usize, usize)>,
     /// Objective lost per empty window.
     pub(super) gap_charge: f64,
 }
@@ -127,17 +131,20 @@ pub(super) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
             cells: Vec::new(),
         },
         rules: Vec::new(),
+        further: 0,
         families: Vec::new(),
         offset: 0,
         unit,
         seasons: Vec::new(),
         gaps: Vec::new(),
         angles: Vec::new(),
+        grown: Vec::new(),
         gap_charge: 0.0,
     };
     built.overlaps(model);
     built.days(model);
     built.starts(model);
+    built.further = built.program.rows.len();
     built.heat(model, demands);
     built.memory(facts, demands, problem.span);
     for diversity in &demands.diversity {

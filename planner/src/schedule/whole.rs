@@ -18,7 +18,9 @@ use super::relaxation::{self, Relaxed};
 use super::rows::{Built, Facts, build, cone_members};
 use super::{Problem, Schedule, ScheduleError, Stopped, best, check};
 use crate::program::number::{f64_from_i128, f64_from_usize};
-use crate::program::{Aids, Ended, Family, Limits, Outcome, relax, solve_from};
+use crate::program::{
+    Aids, Charged, Ended, Family, LARGEST_VALUE, Limits, Outcome, charged, grow, relax, solve_from,
+};
 use onboard_core::time::Duration;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -30,43 +32,75 @@ const BESIDE: Limits =
 /// The same above so many sessions, where it hardly does more than exchange.
 const MANY: usize = 6_000;
 const FEWER: Limits = Limits { cut_rounds: 0, exchange_nodes: 30, ..BESIDE };
+/// Demands join the days, so that only the programme knows what they cost: up to so many sessions it
+/// does more.
+const STILL_TOGETHER: usize = 15_000;
+const TOGETHER: Limits =
+    Limits { nodes: 20_000, work: 15_000_000_000, cut_rounds: 10, passes: 3, exchange_nodes: 60 };
+
+/// Rounds of rows of families before the search.
+const ROW_ROUNDS: usize = 8;
 
 /// Asked whether to stop.
 pub type Stop<'a> = Option<&'a (dyn Fn() -> bool + Sync)>;
 
 /// The schedule of a validated problem.
+#[expect(clippy::too_many_lines, reason = "the steps, one after the other")]
 pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, ScheduleError> {
     let demands = &problem.demands;
     let (model, mut reasons) = Model::new(problem);
     let facts = Facts::new(problem, &model);
-    let built = build(problem, &model, &facts);
+    let mut built = build(problem, &model, &facts);
     let relaxed = relaxation::solve(&model);
     let linear = demands.log.is_none();
     let day_by_day = linear && model.sessions.len() > FEW;
+    let families: Vec<&dyn Family> = built.families.iter().map(AsRef::as_ref).collect();
+    let together = !demands.is_empty() && model.sessions.len() <= STILL_TOGETHER;
     // Clarabel works alone meanwhile.
-    let (days, ready) = rayon::join(
-        || day_by_day.then(|| Days::new(problem, (&model, &relaxed), stop)),
-        || if model.sessions.len() > MANY { relax(&built.program) } else { None },
-    );
+    let own_rows = built.program.rows.len();
+    let ((days, charged), (ready, grown)) = {
+        let (program, offset, further) = (&mut built.program, built.offset, built.further);
+        let (plain, (charged, ready)) = rayon::join(
+            || day_by_day.then(|| Days::new(problem, (&model, &relaxed), stop)),
+            || {
+                if day_by_day && together {
+                    let (ready, grown) = grow(program, &families, (ROW_ROUNDS, offset));
+                    let charged = ready.as_ref().map(|ready| charged(program, ready, further));
+                    (charged.and_then(|it| Days::charged(&model, &it, stop)), (ready, grown))
+                } else if model.sessions.len() > MANY {
+                    (None, (relax(program), Vec::new()))
+                } else {
+                    (None, (None, Vec::new()))
+                }
+            },
+        );
+        ((plain, charged), ready)
+    };
+    built.rules.resize(built.program.rows.len(), None);
+    built.grown = (own_rows..).zip(grown).collect();
     let id_of: BTreeMap<usize, usize> =
         model.sessions.iter().enumerate().map(|(id, it)| (it.candidate, id)).collect();
     let mut start: Vec<usize> = Vec::new();
     if let Some(days) = &days {
         start = days.chosen.iter().filter_map(|it| id_of.get(it).copied()).collect();
     }
+    if let Some((charged, _)) = &charged {
+        start = charged.iter().filter_map(|it| id_of.get(it).copied()).collect();
+    }
     if let Some(previous) = &demands.previous {
         start = previous.sessions.iter().filter_map(|it| id_of.get(it).copied()).collect();
     }
-    let families: Vec<&dyn Family> = built.families.iter().map(AsRef::as_ref).collect();
     // With further rules the day by day search tells less.
     let alone = !day_by_day || !demands.is_empty();
     let limits = match (model.sessions.len() > MANY, !alone) {
+        (true, _) if together => TOGETHER,
         (true, _) => FEWER,
         (false, true) => BESIDE,
         (false, false) => Limits { work: 15_000_000_000, ..Limits::default() },
     };
     // The day by day search's bound, in the programme's units.
-    let known = days.as_ref().and_then(|it| it.units).map(|bound| bound + built.offset);
+    let plain = days.as_ref().and_then(|it| it.units).map(|bound| bound + built.offset);
+    let known = plain.into_iter().chain(charged.as_ref().map(|it| it.1)).min();
     let attempt = |start: &[usize]| {
         let aids = Aids { families: &families, start, stop, bound: known };
         solve_from(&built.program, &limits, &aids, ready.clone())
@@ -139,7 +173,9 @@ pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sc
 fn tangents(built: &Built<'_>, found: &Outcome, rule: Rule) -> f64 {
     let Some(it) = built.angles.iter().find(|it| it.rule == rule) else { return 0.0 };
     let listed: f64 = found.prices.get(it.rows.clone()).into_iter().flatten().sum();
-    listed + found.family_prices.get(it.family).copied().unwrap_or(0.0)
+    let grown = built.grown.iter().filter(|row| row.1 == it.family);
+    let grown: f64 = grown.filter_map(|row| found.prices.get(row.0)).sum();
+    listed + grown + found.family_prices.get(it.family).copied().unwrap_or(0.0)
 }
 
 /// What the day by day search gives.
@@ -171,6 +207,18 @@ impl Days {
         let (tighter, _) = Model::new(&tighter);
         let shared = tighter.unit() == model.unit();
         Self::of((&tighter, &relaxation::solve(&tighter)), shared, stop)
+    }
+
+    /// Candidates of a schedule that pays for the further rules as it goes, and the bound that follows
+    /// under all rules, in the programme's units.
+    fn charged(model: &Model, charged: &Charged, stop: Stop<'_>) -> Option<(Vec<usize>, i128)> {
+        if charged.values.iter().any(|it| *it > LARGEST_VALUE >> 1) {
+            return None;
+        }
+        let model = model.with_values(&charged.values);
+        let (draft, bound, _) = best(&model, &relaxation::solve(&model), stop);
+        let taken: Vec<usize> = draft.chosen().collect();
+        Some((candidates(&model, &taken), bound + charged.constant))
     }
 
     fn of((model, relaxed): (&Model, &Relaxed), shared: bool, stop: Stop<'_>) -> Self {
