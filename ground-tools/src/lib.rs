@@ -24,6 +24,7 @@ pub mod world;
 pub mod provenance;
 pub mod sightline;
 pub mod passes;
+pub mod signal;
 pub mod places;
 pub mod visit_report;
 pub mod columns;

@@ -71,6 +71,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         world: &world,
         lines: &lines,
         sun,
+        table,
         found: &found,
         opportunities: &opportunities,
         blackouts: &blackouts,
