@@ -42,6 +42,7 @@ pub mod vectors;
 pub mod history;
 pub mod scan_fit;
 pub mod calendar;
+mod purposes;
 pub mod demands;
 pub mod timeline;
 pub mod interrupt;

@@ -272,7 +272,12 @@ impl Planned<'_> {
     fn session(&self, candidate: usize) -> Result<Session, Failure> {
         let opportunity = self.opportunity(candidate);
         let (start, end) = self.problem.reserved(candidate);
-        let weight = self.problem.weights[opportunity.target];
+        let keys = &self.world.mission.calibration.schedule;
+        let weight = if keys.purposes(self.target(candidate)).is_empty() {
+            format!("weight {}", self.problem.weights[opportunity.target])
+        } else {
+            "weights by purpose".to_owned()
+        };
         let dwell_s = opportunity.dwell.seconds();
         let passes = self.opportunities.passes(opportunity);
         let transits = passes
@@ -294,7 +299,7 @@ impl Planned<'_> {
             start_tai_ns: start.tai_ns(),
             end_tai_ns: end.tai_ns(),
             reason: format!(
-                "adds {} to the objective: {} passes, {dwell_s} s in view, weight {weight}",
+                "adds {} to the objective: {} passes, {dwell_s} s in view, {weight}",
                 self.problem.value(candidate),
                 transits.len()
             ),

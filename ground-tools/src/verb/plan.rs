@@ -61,8 +61,14 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let opportunities = Opportunities::group(&passes, &world.scan).map_err(Failure::internal)?;
     let blackouts = blackouts(&world)?;
     let sun = world.sun(table)?;
-    let sources =
-        Sources { world: &world, lines: &lines, sun, found: &found, opportunities: &opportunities };
+    let sources = Sources {
+        world: &world,
+        lines: &lines,
+        sun,
+        table,
+        found: &found,
+        opportunities: &opportunities,
+    };
     let mut problem = problem(&world, &opportunities, sources.demands(&blackouts)?);
     wishes.ask(&world, &opportunities, &mut problem)?;
     let search_limit = SearchLimit::new(wishes.time_limit);
