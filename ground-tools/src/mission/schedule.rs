@@ -331,15 +331,12 @@ fn weight(section: &Section<'_>, key: &str, node: &Node) -> Option<Weight> {
     let mut weights = Vec::new();
     for (name, node) in table {
         let path = format!("{key}.{name}");
-        match Purpose::EACH.iter().find(|it| it.0 == name) {
-            Some(&(_, purpose)) => {
-                weights.push((purpose, section.number_of(&path, node, &WEIGHT)?))
-            }
-            None => {
-                let nearest = section.key(&format!("{key}.{}", nearest(name, &names)));
-                let key = section.key(&path);
-                section.fault(&node.place, Problem::UnknownKey { key, nearest });
-            }
+        if let Some(&(_, purpose)) = Purpose::EACH.iter().find(|it| it.0 == name) {
+            weights.push((purpose, section.number_of(&path, node, &WEIGHT)?));
+        } else {
+            let nearest = section.key(&format!("{key}.{}", nearest(name, &names)));
+            let key = section.key(&path);
+            section.fault(&node.place, Problem::UnknownKey { key, nearest });
         }
     }
     weights.sort_by_key(|it| it.0);

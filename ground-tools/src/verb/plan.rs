@@ -136,8 +136,13 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         let resonance = resonance.as_ref();
         tell(shared, &told(&world, &timeline, &opportunities, (&folder, &names), resonance))?;
     }
-    match &resonance {
-        Some(Resonance { checked, .. }) if arguments.strict && !checked.certificate.passes => {
+    verdict(&world, resonance.as_ref().filter(|_| arguments.strict))
+}
+
+/// A failure where the periods beat.
+fn verdict(world: &World, resonance: Option<&Resonance>) -> Result<(), Failure> {
+    match resonance {
+        Some(Resonance { checked, .. }) if !checked.certificate.passes => {
             let name = &world.mission.name;
             Err(Failure::Check(format!("{name}: resonance: {}", checked.sentence())))
         }

@@ -1,7 +1,7 @@
 //! How strong is a calibrator in a telescope's beam, and how well does a plate modulate it.
 //!
 //! [`Strength`] is the peak antenna temperature of a source at the centre of a Gaussian beam, in the
-//! Rayleigh-Jeans sense: T_A = P / (k df) per mode. [`phase_coverage`] says how evenly the time in
+//! Rayleigh-Jeans sense: power per bandwidth over k. [`phase_coverage`] says how evenly the time in
 //! view spreads over the phase 4 phi of a half-wave plate.
 //!
 //! Method, with F the full width of the beam at half maximum:
@@ -101,7 +101,7 @@ impl Beam {
         }
     }
 
-    /// T_A = S lambda^2 / (2 k Omega).
+    /// `S lambda^2 / (2 k Omega)`.
     fn antenna_k(&self, jy: f64) -> Option<f64> {
         let wavelength_m = LIGHT_M_S / (self.frequency_ghz? * 1e9);
         let solid_angle = PI * self.fwhm_rad * self.fwhm_rad / (4.0 * LN_2);

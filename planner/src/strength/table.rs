@@ -2,10 +2,10 @@
 //!
 //! | what | numbers | source |
 //! |---|---|---|
-//! | radii | equatorial and polar, km | IAU 2015, [Archinal2018] |
+//! | radii | equatorial and polar, km | IAU 2015, [Archinal2018, tables] |
 //! | 28.4, 44.1, 70.4 GHz | Jupiter, Saturn's disc, Uranus, Neptune: band-averaged Planck temperature, K | Planck/LFI, [Maris2021, abstract] |
-//! | 100 to 545 GHz | Mars, Jupiter, Saturn, Uranus, Neptune: thermodynamic temperature, K | Planck/HFI, [Planck2017LII] |
-//! | Tau A | S = 1010.2 (nu/GHz)^-0.323 Jy, polarised 78.98 (nu/GHz)^-0.347 Jy, 30 to 353 GHz | [Ritacco2018] |
+//! | 100 to 545 GHz | Mars, Jupiter, Saturn, Uranus, Neptune: thermodynamic temperature, K | Planck/HFI, [Planck2017, tables] |
+//! | Tau A | S = 1010.2 (nu/GHz)^-0.323 Jy, polarised 78.98 (nu/GHz)^-0.347 Jy, 30 to 353 GHz | [Ritacco2018, fit] |
 //!
 //! Method: the temperature is interpolated linearly in frequency and there is none outside the table.
 //!
