@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// Per telescope, Jupiter at 5.2 au in mK, from a program of its own (astropy's constants and
-/// BlackBody, the disc's share of the beam by scipy's quadrature), at 140, 195 and 402 GHz.
+/// `BlackBody`, the disc's share of the beam by scipy's quadrature), at 140, 195 and 402 GHz.
 const JUPITER_MK: [(&str, f64); 3] = [
     ("LFT", 78.612_062_544_238_21),
     ("MFT", 56.324_433_390_963_72),
@@ -107,16 +107,17 @@ fn a_logarithmic_plan_counts_cells_by_purpose() {
     let keys = "targets = [\"jupiter\"]\n[calibration.schedule]\nobjective = \"log\"\n\
                 weights = { jupiter = { beam_map = 1.0, gain = 0.1, pointing = 0.5 } }";
     let timeline = planned(keys, &[]);
-    let mut cells: BTreeMap<(String, usize, i64), f64> = BTreeMap::new();
+    let mut cells: BTreeMap<(String, usize, String), f64> = BTreeMap::new();
     for session in sessions(&timeline) {
         let telescope = session["telescope"].as_str().unwrap();
         let step = if telescope == "LFT" { 18.0 / 8.0 } else { 28.0 / 8.0 };
         for pass in session["transits"].as_array().unwrap() {
             let effective = number(pass, "dwell_s") * share(session);
-            let impact = (number(pass, "impact_deg") / step).floor() as i64;
-            let zeta = ((number(pass, "scan_beam_angle_deg") + 180.0) / 22.5).floor() as i64;
-            for (purpose, bin) in [(0, impact), (1, 0), (2, zeta.rem_euclid(16))] {
-                *cells.entry((telescope.to_owned(), purpose, bin)).or_default() += effective;
+            let impact = (number(pass, "impact_deg") / step).floor();
+            let zeta = ((number(pass, "scan_beam_angle_deg") + 180.0) / 22.5).floor() % 16.0;
+            for (purpose, bin) in [(0, impact), (1, 0.0), (2, zeta)] {
+                *cells.entry((telescope.to_owned(), purpose, bin.to_string())).or_default() +=
+                    effective;
             }
         }
     }
