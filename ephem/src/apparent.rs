@@ -175,6 +175,22 @@ impl Sky {
             .ok_or_else(|| coincident(source))
     }
 
+    /// Distance of a body of the kernel from the observer in km: with corrections, the way of the light
+    /// that arrives. `None` for fixed sources and tables.
+    ///
+    /// # Errors
+    /// [`SkyError`]: outside kernel or trajectory.
+    pub fn distance_km(&self, source: &Source, at: Instant) -> Result<Option<f64>, SkyError> {
+        let Place::SolarSystem(naif) = source.place() else { return Ok(None) };
+        let here = self.observer_state(at)?;
+        Ok(Some(match self.corrections {
+            Corrections::Geometric => {
+                (self.kernel.state(*naif, at)?.position_km - here.position_km).norm()
+            }
+            Corrections::Apparent => self.light_path(source, *naif, &here, at)?.norm(),
+        }))
+    }
+
     fn observer_state(&self, at: Instant) -> Result<State, StateError> {
         match self.observer {
             Observer::Spacecraft => self.trajectory.state(&self.kernel, at),
@@ -270,6 +286,21 @@ mod tests {
             assert!((seen.y.atan2(seen.x) - expected).abs() < 1e-15);
             assert!((seen.norm() - 1.0).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn distances_are_those_of_the_states_to_a_light_time() {
+        // Speeds of 60 km/s over 4.2 h of light time are 9e5 km.
+        let at = Instant::from_tai_ns(1_000_000_000_000_000_000);
+        let mut sky = Sky::from_l2(at);
+        let jupiter = Source::by_name("jupiter").unwrap();
+        let apparent = sky.distance_km(&jupiter, at).unwrap().unwrap();
+        sky.corrections = Corrections::Geometric;
+        let geometric = sky.distance_km(&jupiter, at).unwrap().unwrap();
+        assert!((apparent - geometric).abs() < 9e5 && apparent.to_bits() != geometric.to_bits());
+        // Between 3.9 and 6.5 au from anywhere near the Earth.
+        assert!((5.8e8..9.8e8).contains(&apparent), "{apparent}");
+        assert_eq!(sky.distance_km(&Source::by_name("tau_a").unwrap(), at), Ok(None));
     }
 
     #[test]

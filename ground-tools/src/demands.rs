@@ -13,20 +13,22 @@ use crate::calendar::{self, Occasion};
 use crate::failure::Failure;
 use crate::mission::FilePath;
 use crate::passes::{Found, told};
+use crate::purposes::{Parts, Valued, Worth};
 use crate::sightline::SightLine;
 use crate::world::World;
 use ephem::time::{format_utc, parse_time};
 use onboard_core::attitude::sweep;
+use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::sun::SunModel;
 use onboard_core::time::{Duration, Instant};
-use planner::opportunity::Opportunities;
+use planner::opportunity::{Opportunities, Opportunity};
 use planner::schedule::{
     Contact, Data, Demands, Diversity, Log, LongestGap, SessionCount, Thermal,
 };
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Bins of the crossing angle in the logarithmic objective.
+/// Ranges of an angle in the logarithmic objective.
 const BINS: u32 = 16;
 /// Time in view that counts as one unit of information, in seconds.
 const OFFSET_S: f64 = 600.0;
@@ -54,6 +56,8 @@ pub struct Sources<'s> {
     pub lines: &'s [SightLine],
     /// The Sun model that attitudes follow.
     pub sun: SunModel<'s>,
+    /// The directions of its targets.
+    pub table: EphemerisTable<'s>,
     /// All passes.
     pub found: &'s [Found],
     /// Their opportunities.
@@ -72,6 +76,8 @@ impl Sources<'_> {
         } else {
             self.angles()?
         };
+        let worth = self.worth()?;
+        let values = if worth.each.is_empty() { Vec::new() } else { self.values(&worth) };
         let diversity = keys.scan_angle.iter().map(|rule| Diversity {
             n: rule.n,
             rho: rule.rho.to_f64(),
@@ -105,8 +111,10 @@ impl Sources<'_> {
             log: keys.logarithmic.then(|| Log {
                 offset: Duration::from_seconds(OFFSET_S),
                 epoch: Duration::from_seconds(EPOCH_DAYS * DAY_S),
-                parts: self.bins(&angles),
+                parts: self.bins(&angles, &worth),
+                weights: worth.weights,
             }),
+            values,
             ..Demands::default()
         })
     }
@@ -135,14 +143,25 @@ impl Sources<'_> {
         self.opportunities.list().iter().map(of).collect()
     }
 
-    /// Per opportunity, the time in each bin of the crossing angle.
-    fn bins(&self, angles: &[f64]) -> Vec<Vec<(u32, Duration)>> {
-        let of = |it| {
+    /// Per opportunity, what it is worth by purposes, or weight times dwell.
+    fn values(&self, worth: &Worth) -> Vec<f64> {
+        let keys = &self.world.mission.calibration.schedule;
+        let of = |(it, valued): (&Opportunity, &Option<Valued>)| match valued {
+            Some(valued) => valued.value,
+            None => keys.weight(self.world.targets[it.target].name()) * it.dwell.seconds(),
+        };
+        self.opportunities.list().iter().zip(&worth.each).map(of).collect()
+    }
+
+    /// Per opportunity, the time in each bin: of the crossing angle, or of its purposes.
+    fn bins(&self, angles: &[f64], worth: &Worth) -> Vec<Parts> {
+        let of = |(index, it): (usize, &Opportunity)| {
+            if let Some(Some(valued)) = worth.each.get(index) {
+                return valued.parts.clone();
+            }
             let mut parts: Vec<(u32, Duration)> = Vec::new();
             for &pass in self.opportunities.passes(it) {
-                let turn = (angles[pass] + PI).rem_euclid(TAU) / TAU;
-                let bin = (0..BINS).rfind(|&bin| f64::from(bin) <= turn * f64::from(BINS));
-                let (bin, time) = (bin.unwrap_or(0), self.found[pass].transit.dwell());
+                let (bin, time) = (angle_bin(angles[pass]), self.found[pass].transit.dwell());
                 match parts.iter_mut().find(|part| part.0 == bin) {
                     Some(part) => part.1 = Duration::from_ns(part.1.ns() + time.ns()),
                     None => parts.push((bin, time)),
@@ -150,7 +169,7 @@ impl Sources<'_> {
             }
             parts
         };
-        self.opportunities.list().iter().map(of).collect()
+        self.opportunities.list().iter().enumerate().map(of).collect()
     }
 
     /// Opportunities with a pass too near to a body to avoid.
@@ -189,6 +208,12 @@ impl Sources<'_> {
             .collect();
         Ok(all?.into_iter().enumerate().filter_map(|(index, near)| near.then_some(index)).collect())
     }
+}
+
+/// The range of an angle, of 16 from -180 deg on.
+pub(crate) fn angle_bin(angle_rad: f64) -> u32 {
+    let turn = (angle_rad + PI).rem_euclid(TAU) / TAU;
+    (0..BINS).rfind(|&bin| f64::from(bin) <= turn * f64::from(BINS)).unwrap_or(0)
 }
 
 /// A number that a range has checked, as a whole one.

@@ -13,9 +13,12 @@ use crate::provenance::Provenance;
 use crate::resonance_check::Checked;
 use crate::rows::{self, Layout};
 use crate::sightline::SightLine;
-use crate::world::World;
+use crate::signal::{Signal, hwp_coverage, impact_rad, strength};
+use crate::world::{World, body};
 use ephem::time::{format_tdb, format_utc};
 use onboard_core::attitude::sweep;
+use onboard_core::ephemeris::EphemerisTable;
+use onboard_core::hwp::hwp_phase;
 use onboard_core::sun::SunModel;
 use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::SessionRecord;
@@ -37,6 +40,8 @@ pub struct Planned<'p> {
     pub lines: &'p [SightLine],
     /// The Sun model on the table that goes on board.
     pub sun: SunModel<'p>,
+    /// The directions of its targets.
+    pub table: EphemerisTable<'p>,
     /// All passes.
     pub found: &'p [Found],
     /// Their opportunities; candidate i of the problem is opportunity i.
@@ -132,6 +137,21 @@ pub struct Session {
     pub transits: Vec<SessionTransit>,
     /// Time with the target in view.
     pub dwell_s: f64,
+    /// Number of passes.
+    #[serde(default)]
+    pub passes: usize,
+    /// Least impact parameter of its passes.
+    #[serde(default)]
+    pub impact_min_deg: f64,
+    /// Largest impact parameter.
+    #[serde(default)]
+    pub impact_max_deg: f64,
+    /// How evenly its passes cover the phases of the half-wave plate, 0 to 1; null without a plate.
+    #[serde(default)]
+    pub hwp_coverage: Option<f64>,
+    /// How strong the target is.
+    #[serde(flatten)]
+    pub signal: Signal,
     /// Why it is there.
     pub reason: String,
 }
@@ -157,6 +177,15 @@ pub struct SessionTransit {
     pub min_separation_deg: f64,
     /// Crossing angle at closest approach.
     pub psi_deg: f64,
+    /// Scan-beam angle at closest approach.
+    #[serde(default)]
+    pub scan_beam_angle_deg: f64,
+    /// Offset of the target across the scan at closest approach, positive along z x v.
+    #[serde(default)]
+    pub impact_deg: f64,
+    /// Angle of the half-wave plate at closest approach; null without a plate.
+    #[serde(default)]
+    pub hwp_deg: Option<f64>,
 }
 
 /// An opportunity not taken.
@@ -263,13 +292,22 @@ impl Planned<'_> {
     fn session(&self, candidate: usize) -> Result<Session, Failure> {
         let opportunity = self.opportunity(candidate);
         let (start, end) = self.problem.reserved(candidate);
-        let weight = self.problem.weights[opportunity.target];
+        let keys = &self.world.mission.calibration.schedule;
+        let weight = if keys.purposes(self.target(candidate)).is_empty() {
+            format!("weight {}", self.problem.weights[opportunity.target])
+        } else {
+            "weights by purpose".to_owned()
+        };
         let dwell_s = opportunity.dwell.seconds();
         let passes = self.opportunities.passes(opportunity);
         let transits = passes
             .iter()
             .map(|&pass| self.transit(&self.found[pass]))
             .collect::<Result<Vec<_>, _>>()?;
+        let (impact_min_deg, impact_max_deg) =
+            range(transits.iter().map(|it: &SessionTransit| it.impact_deg));
+        let found = || passes.iter().map(|&pass| &self.found[pass]);
+        let line = found().next().map(|it| &self.lines[it.line]);
         Ok(Session {
             id: self.id(candidate),
             target: self.target(candidate).to_owned(),
@@ -281,10 +319,15 @@ impl Planned<'_> {
             start_tai_ns: start.tai_ns(),
             end_tai_ns: end.tai_ns(),
             reason: format!(
-                "adds {} to the objective: {} passes, {dwell_s} s in view, weight {weight}",
+                "adds {} to the objective: {} passes, {dwell_s} s in view, {weight}",
                 self.problem.value(candidate),
                 transits.len()
             ),
+            passes: transits.len(),
+            impact_min_deg,
+            impact_max_deg,
+            hwp_coverage: line.and_then(|line| hwp_coverage(self.world, line, found())),
+            signal: strength(self.world, opportunity)?.into(),
             transits,
             dwell_s,
         })
@@ -292,18 +335,25 @@ impl Planned<'_> {
 
     fn transit(&self, found: &Found) -> Result<SessionTransit, Failure> {
         let (line, transit) = (&self.lines[found.line], &found.transit);
-        let seen = sweep(&self.world.scan, &self.sun, line.rotation, transit.closest)
-            .map_err(|error| Failure::internal(told(error)))?;
+        let at = transit.closest;
+        let outside = |error| Failure::internal(told(error));
+        let seen = sweep(&self.world.scan, &self.sun, line.rotation, at).map_err(outside)?;
+        let target = body(self.table, self.world.targets[found.target].body())?;
+        let target = target.state(at).map_err(outside)?.direction;
+        let hwp = line.hwp.map(|plate| hwp_phase(&self.world.scan, plate, at).radians());
         Ok(SessionTransit {
             detector: line.detector_name.clone(),
             entry_tdb: format_tdb(transit.entry),
             exit_tdb: format_tdb(transit.exit),
             entry_tai_ns: transit.entry.tai_ns(),
             exit_tai_ns: transit.exit.tai_ns(),
-            closest_tai_ns: transit.closest.tai_ns(),
+            closest_tai_ns: at.tai_ns(),
             dwell_s: transit.dwell().seconds(),
             min_separation_deg: transit.min_separation_rad.to_degrees(),
             psi_deg: degrees::signed(seen.crossing_angle_rad),
+            scan_beam_angle_deg: degrees::signed(seen.scan_beam_angle_rad),
+            impact_deg: impact_rad(&seen, target).to_degrees(),
+            hwp_deg: hwp.map(degrees::positive),
         })
     }
 
@@ -420,6 +470,11 @@ impl Planned<'_> {
     }
 }
 
+/// Least and largest of some numbers.
+pub(crate) fn range(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it), high.max(it)))
+}
+
 /// The date of an instant, UTC.
 pub(crate) fn date(at: Instant) -> String {
     format_utc(at).chars().take_while(|letter| *letter != 'T').collect()
@@ -450,10 +505,18 @@ struct Row<'t> {
     end_tai_ns: i64,
     passes: usize,
     dwell_s: f64,
+    impact_min_deg: f64,
+    impact_max_deg: f64,
+    hwp_coverage: Option<f64>,
+    angular_diameter_arcsec: Option<f64>,
+    brightness_temperature_k: Option<f64>,
+    beam_dilution: Option<f64>,
+    antenna_temperature_mk: Option<f64>,
+    polarised_temperature_mk: Option<f64>,
     reason: &'t str,
 }
 
-const COLUMNS: [&str; 12] = [
+const COLUMNS: [&str; 20] = [
     "id",
     "target",
     "telescope",
@@ -465,6 +528,14 @@ const COLUMNS: [&str; 12] = [
     "end_tai_ns",
     "passes",
     "dwell_s",
+    "impact_min_deg",
+    "impact_max_deg",
+    "hwp_coverage",
+    "angular_diameter_arcsec",
+    "brightness_temperature_k",
+    "beam_dilution",
+    "antenna_temperature_mk",
+    "polarised_temperature_mk",
     "reason",
 ];
 
@@ -512,6 +583,14 @@ impl Timeline {
             end_tai_ns: it.end_tai_ns,
             passes: it.transits.len(),
             dwell_s: it.dwell_s,
+            impact_min_deg: it.impact_min_deg,
+            impact_max_deg: it.impact_max_deg,
+            hwp_coverage: it.hwp_coverage,
+            angular_diameter_arcsec: it.signal.angular_diameter_arcsec,
+            brightness_temperature_k: it.signal.brightness_temperature_k,
+            beam_dilution: it.signal.beam_dilution,
+            antenna_temperature_mk: it.signal.antenna_temperature_mk,
+            polarised_temperature_mk: it.signal.polarised_temperature_mk,
             reason: &it.reason,
         });
         let layout = Layout { format, provenance: &self.provenance, header: &COLUMNS };

@@ -7,6 +7,7 @@
 pub mod constraints;
 pub mod healpix;
 pub mod opportunity;
+pub mod strength;
 pub mod visits;
 mod conic;
 pub mod program;

@@ -125,11 +125,19 @@ fn small(random: &mut SplitMix64) -> Problem {
             vec![(0, Duration::from_ns(first)), (u32::from(chance(random, 2)) + 1, rest)]
         });
         let parts = parts.collect();
-        demands.log = Some(Log { offset: minutes(10), epoch: minutes(2_880), parts });
+        let mut weights = BTreeMap::new();
+        if chance(random, 2) {
+            weights.extend([((0, 1), 0.25), ((1, 2), 1.75)]);
+        }
+        demands.log = Some(Log { offset: minutes(10), epoch: minutes(2_880), parts, weights });
         demands.longest_gap = demands.longest_gap.map(|it| LongestGap { price_per_day: 0.7, ..it });
         if let Some(previous) = &mut demands.previous {
             previous.price = 0.3;
         }
+    }
+    if demands.log.is_none() && chance(random, 3) {
+        let mut value = || f64::from(i32::try_from(random.between(1, 4_000)).unwrap()) * 1.5;
+        demands.values = candidates.iter().map(|_| value()).collect();
     }
     Problem { demands, ..problem(candidates, 4) }
 }
@@ -151,7 +159,11 @@ fn worth(problem: &Problem, chosen: &[usize]) -> f64 {
             }
             cells
                 .iter()
-                .map(|(key, t)| problem.weights[key.0] * (1.0 + t / log.offset.seconds()).ln())
+                .map(|(key, t)| {
+                    let own = log.weights.get(&(key.0, key.3));
+                    let weight = own.unwrap_or(&problem.weights[key.0]);
+                    weight * (1.0 + t / log.offset.seconds()).ln()
+                })
                 .sum()
         }
     };

@@ -7,6 +7,7 @@ use planner::schedule::{
     Candidate, Data, Demands, Diversity, Exclusive, Give, Log, LongestGap, Loosening, Problem,
     Rule, Rules, SessionCount, Thermal, loosen, schedule,
 };
+use std::collections::BTreeMap;
 
 const HOUR_S: i64 = 3_600;
 const DAY_S: i64 = 86_400;
@@ -133,7 +134,12 @@ fn logarithms_gain_less_than_time() {
     let mut problem = problem(40);
     problem.rules.max_per_day = Some(lasting(4 * HOUR_S));
     let parts = problem.candidates.iter().map(|it| vec![(0, it.dwell)]).collect();
-    problem.demands.log = Some(Log { offset: lasting(600), epoch: lasting(10 * DAY_S), parts });
+    problem.demands.log = Some(Log {
+        offset: lasting(600),
+        epoch: lasting(10 * DAY_S),
+        parts,
+        weights: BTreeMap::new(),
+    });
     // Each epoch has 40 hours; the second target has half the weight, so a third of the time:
     // 2 / (600 s + t) = 1 / (600 s + u) with t + u = 40 h, up to the hours that are on offer.
     let found = of(&loosen(&problem, None).unwrap(), Give::DayMinutes).clone();

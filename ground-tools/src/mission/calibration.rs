@@ -15,6 +15,7 @@ use crate::range::Range;
 use crate::resolve::toml_string;
 use crate::rounding;
 use crate::section::Section;
+use planner::strength::Flux;
 
 /// Targets that need no source: planets (from Mars on, the Earth aside, system barycentres), the
 /// Moon and fixed calibrators.
@@ -52,6 +53,10 @@ pub struct CalibrationSource {
     pub name: String,
     /// Where it is.
     pub direction: SourceDirection,
+    /// Its flux in every telescope's band.
+    pub flux_jy: Option<Number>,
+    /// The linearly polarised part of it.
+    pub polarised_fraction: Option<Number>,
 }
 
 /// Where a source is.
@@ -75,6 +80,8 @@ pub enum SourceDirection {
     Table(FilePath),
 }
 
+const FLUX: Range = Range::positive("a flux", 1e12, "Jy");
+const FRACTION: Range = Range::closed("a fraction", 0.0, 1.0, "");
 const RADIUS: Range = Range::positive("an angle", 180.0, "deg");
 const LONGITUDE: Range = Range::closed("an angle", -360.0, 360.0, "deg");
 const LATITUDE: Range = Range::closed("an angle", -90.0, 90.0, "deg");
@@ -146,6 +153,14 @@ pub(crate) fn one_of(legal: &[&str]) -> String {
 }
 
 impl CalibrationSource {
+    /// Its flux, where it is given.
+    #[must_use]
+    pub fn flux(&self) -> Option<Flux> {
+        let jy = self.flux_jy.as_ref()?.to_f64();
+        let polarised_fraction = self.polarised_fraction.as_ref().map(Number::to_f64);
+        Some(Flux { jy, polarised_fraction })
+    }
+
     fn read(section: &mut Section<'_>) -> Self {
         let name = section.name("name", None);
         if KNOWN_TARGETS.contains(&name.as_str()) {
@@ -188,6 +203,11 @@ impl CalibrationSource {
             "declination_deg",
             "directions",
         ]);
-        Self { name, direction }
+        let flux_jy = section.optional_number("flux_jy", &FLUX);
+        let polarised_fraction = section.optional_number("polarised_fraction", &FRACTION);
+        if polarised_fraction.is_some() && flux_jy.is_none() {
+            section.missing("flux_jy", &FLUX);
+        }
+        Self { name, direction, flux_jy, polarised_fraction }
     }
 }

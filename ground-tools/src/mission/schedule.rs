@@ -3,7 +3,7 @@
 //! A constraint that is absent, or `"none"`, does not bind. Durations are exact numbers here and
 //! nanoseconds where the methods give them.
 
-use crate::document::Value;
+use crate::document::{Node, Value};
 use crate::fault::Problem;
 use crate::mission::FilePath;
 use crate::mission::calibration::one_of;
@@ -43,9 +43,47 @@ pub struct Schedule {
     /// Heat.
     pub thermal: Option<Thermal>,
     /// A weight for every target of the mission, then for others named.
-    pub weights: Vec<(String, Number)>,
+    pub weights: Vec<(String, Weight)>,
     /// The objective is logarithmic in the time per cell.
     pub logarithmic: bool,
+}
+
+/// What sessions of a target are worth.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Weight {
+    /// This for each second in view.
+    Plain(Number),
+    /// This for each effective second of a purpose.
+    ByPurpose(Vec<(Purpose, Number)>),
+}
+
+/// What a session is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Purpose {
+    /// The beam's shape.
+    BeamMap,
+    /// The gain.
+    Gain,
+    /// Where the beam points.
+    Pointing,
+    /// The angle of polarisation.
+    PolarisationAngle,
+}
+
+impl Purpose {
+    /// All, with their keys.
+    pub const EACH: [(&'static str, Self); 4] = [
+        ("beam_map", Self::BeamMap),
+        ("gain", Self::Gain),
+        ("pointing", Self::Pointing),
+        ("polarisation_angle", Self::PolarisationAngle),
+    ];
+
+    /// Its key.
+    #[must_use]
+    pub fn key(self) -> &'static str {
+        Self::EACH.iter().find(|it| it.1 == self).map_or("", |it| it.0)
+    }
 }
 
 /// What sessions exclude each other.
@@ -193,11 +231,23 @@ impl Schedule {
         self.max_minutes_per_day.as_ref().map(|minutes| rounded(&minutes.times(60, 1)))
     }
 
-    /// A target's weight; 1 where none is given.
+    /// A target's weight per second in view: 1 where none is given, 0 where it has purposes.
     #[must_use]
     pub fn weight(&self, target: &str) -> f64 {
-        let given = self.weights.iter().find(|(name, _)| name == target);
-        given.map_or(1.0, |(_, weight)| weight.to_f64())
+        match self.weights.iter().find(|(name, _)| name == target) {
+            None => 1.0,
+            Some((_, Weight::Plain(weight))) => weight.to_f64(),
+            Some((_, Weight::ByPurpose(_))) => 0.0,
+        }
+    }
+
+    /// A target's weights by purpose; none where it has a plain one.
+    #[must_use]
+    pub fn purposes(&self, target: &str) -> &[(Purpose, Number)] {
+        match self.weights.iter().find(|(name, _)| name == target) {
+            Some((_, Weight::ByPurpose(weights))) => weights,
+            _ => &[],
+        }
     }
 }
 
@@ -233,10 +283,10 @@ fn rounded(seconds: &BigRational) -> Duration {
 }
 
 /// A weight for each target, 1 where none is given, then the others by name.
-fn weights(section: &mut Section<'_>, targets: &[String], legal: &[&str]) -> Vec<(String, Number)> {
+fn weights(section: &mut Section<'_>, targets: &[String], legal: &[&str]) -> Vec<(String, Weight)> {
     let one = Number::parse("1.0").unwrap_or_else(|_| Number::zero());
-    let mut weights: Vec<(String, Number)> =
-        targets.iter().map(|target| (target.clone(), one.clone())).collect();
+    let mut weights: Vec<(String, Weight)> =
+        targets.iter().map(|target| (target.clone(), Weight::Plain(one.clone()))).collect();
     match section.find("weights") {
         None => {}
         Some(node) => {
@@ -249,7 +299,7 @@ fn weights(section: &mut Section<'_>, targets: &[String], legal: &[&str]) -> Vec
                         section.fault(&node.place, Problem::UnknownKey { key, nearest });
                         continue;
                     }
-                    let Some(weight) = section.number_of(&key, node, &WEIGHT) else { continue };
+                    let Some(weight) = weight(section, &key, node) else { continue };
                     match weights.iter_mut().find(|(target, _)| target == name) {
                         Some(entry) => entry.1 = weight,
                         None => weights.push((name.clone(), weight)),
@@ -259,7 +309,7 @@ fn weights(section: &mut Section<'_>, targets: &[String], legal: &[&str]) -> Vec
                 section.not_legal(
                     "weights",
                     node,
-                    &"a table such as { jupiter = 1.0, mars = 0.5 }",
+                    &"a table such as { jupiter = 1.0, mars = { beam_map = 1.0, gain = 0.5 } }",
                 );
             }
         }
@@ -270,6 +320,40 @@ fn weights(section: &mut Section<'_>, targets: &[String], legal: &[&str]) -> Vec
     }
     section.record("weights", canon.inline());
     weights
+}
+
+/// One target's weight: a number, or a table of numbers by purpose.
+fn weight(section: &Section<'_>, key: &str, node: &Node) -> Option<Weight> {
+    let Value::Table(table) = &node.value else {
+        return section.number_of(key, node, &WEIGHT).map(Weight::Plain);
+    };
+    let names = Purpose::EACH.map(|it| it.0);
+    let mut weights = Vec::new();
+    for (name, node) in table {
+        let path = format!("{key}.{name}");
+        if let Some(&(_, purpose)) = Purpose::EACH.iter().find(|it| it.0 == name) {
+            weights.push((purpose, section.number_of(&path, node, &WEIGHT)?));
+        } else {
+            let nearest = section.key(&format!("{key}.{}", nearest(name, &names)));
+            let key = section.key(&path);
+            section.fault(&node.place, Problem::UnknownKey { key, nearest });
+        }
+    }
+    weights.sort_by_key(|it| it.0);
+    Some(Weight::ByPurpose(weights))
+}
+
+impl Weight {
+    fn toml(&self) -> String {
+        match self {
+            Self::Plain(number) => number.toml(),
+            Self::ByPurpose(weights) => {
+                let item = |it: &(Purpose, Number)| format!("{} = {}", it.0.key(), it.1.toml());
+                let items: Vec<String> = weights.iter().map(item).collect();
+                format!("{{ {} }}", items.join(", "))
+            }
+        }
+    }
 }
 
 fn nearest<'n>(name: &str, legal: &[&'n str]) -> &'n str {

@@ -18,6 +18,7 @@ use onboard_core::field_of_view::FieldOfView;
 use onboard_core::frame::{self, Boresight};
 use onboard_core::phase::Rotor;
 use onboard_core::rotation::{NORM_TOLERANCE, Rotation, RotationError};
+use planner::strength::Beam;
 use std::path::Path;
 
 /// A telescope as mounted.
@@ -35,6 +36,8 @@ pub struct Telescope {
     pub fwhm_arcmin: Number,
     /// The same in radians.
     pub fwhm_rad: f64,
+    /// Frequency that stands for its band; sources have no known strength without it.
+    pub frequency_ghz: Option<Number>,
     /// `None` is the circle of `calibration.radius_deg`.
     pub field_of_view: Option<FieldOfView>,
     /// The detectors: listed, of an instrument model, or of a grid.
@@ -61,11 +64,19 @@ pub struct NamedDetector {
 const HWP_RATE: Range = Range::positive("a rate", 1e6, "rpm")
     .if_negative("; hwp_sign = -1 reverses the plate, \"none\" removes it");
 const FWHM: Range = Range::positive("an angle", 10800.0, "arcmin");
+const FREQUENCY: Range = Range::positive("a frequency", 1e6, "GHz");
 const RADIUS: Range = Range::positive("an angle", 180.0, "deg");
 const SIDE: Range = Range::positive("an angle", 180.0, "deg").below_high();
 const COMPONENT: Range = Range::closed("a component", -1.000_001, 1.000_001, "");
 
 impl Telescope {
+    /// Its beam, by which the strength of sources is told.
+    #[must_use]
+    pub fn beam(&self) -> Beam {
+        let frequency_ghz = self.frequency_ghz.as_ref().map(Number::to_f64);
+        Beam { fwhm_rad: self.fwhm_rad, frequency_ghz }
+    }
+
     pub(crate) fn read(section: &mut Section<'_>, directory: &Path) -> Self {
         let name = section.name("name", None);
         let rotation = rotation(section, "boresight_quaternion_xyzw");
@@ -73,6 +84,7 @@ impl Telescope {
         let sign = section.sign("hwp_sign");
         let phase = section.number("hwp_phase_deg", &PHASE, Some("0.0"));
         let fwhm_arcmin = section.number("fwhm_arcmin", &FWHM, None);
+        let frequency_ghz = section.optional_number("frequency_ghz", &FREQUENCY);
         let field_of_view = field_of_view(section, rotation);
         let listed = section.tables("detector", |s| NamedDetector::read(s, rotation));
         duplicates(section, "detector", listed.iter().map(|detector| detector.name.as_str()));
@@ -97,6 +109,7 @@ impl Telescope {
             hwp_rate_rpm,
             fwhm_rad: rounding::radians(&fwhm_arcmin.times(1, 60)),
             fwhm_arcmin,
+            frequency_ghz,
             field_of_view,
             detectors: plane.detectors,
             detector_grid_deg: plane.grid_deg,

@@ -141,6 +141,9 @@ mod tests {
             dwell_s,
             min_separation_deg: 0.0,
             psi_deg,
+            scan_beam_angle_deg: 0.0,
+            impact_deg: 0.0,
+            hwp_deg: None,
         }
     }
 

@@ -11,7 +11,7 @@ pub(super) fn section(source: &Source) -> Markup {
     let months: Vec<&[Session]> =
         sessions.chunk_by(|a, b| a.start_utc.get(..7) == b.start_utc.get(..7)).collect();
     html! {
-        p { "Start and end (UTC) hold setup and cooldown; psi is the crossing angle at closest approach, of all passes of a session. " code { "timeline.json" } " has TDB, TAI and every pass." }
+        p { "Start and end (UTC) hold setup and cooldown; psi is the crossing angle and impact the offset across the scan, both at closest approach, of all passes of a session; signal is the antenna temperature at the beam's centre; HWP says how evenly the time in view covers the plate's phases, from 0 to 1. " code { "timeline.json" } " has TDB, TAI and every pass." }
         @if months.is_empty() { p { "There is no session." } }
         div.months { @for (index, month) in months.iter().enumerate() {
             @let name = month.first().and_then(|it| it.start_utc.get(..7)).unwrap_or_default();
@@ -26,6 +26,7 @@ pub(super) fn section(source: &Source) -> Markup {
                         thead { tr {
                             th scope="col" { "id" } th scope="col" { "start (UTC)" } th scope="col" { "end" }
                             th.num scope="col" { "passes" } th.num scope="col" { "in view (s)" } th.num scope="col" { "psi (deg)" }
+                            th.num scope="col" { "impact (deg)" } th.num scope="col" { "signal (mK)" } th.num scope="col" { "HWP" }
                         } }
                         tbody { @for it in *month { (row(it)) } }
                     }
@@ -39,8 +40,7 @@ fn row(it: &Session) -> Markup {
     let (start, end) = (second(&it.start_utc), second(&it.end_utc));
     let same_day = start.get(..10) == end.get(..10);
     let (low, high) = psi_range(it);
-    let psi =
-        if high - low < 0.05 { format!("{low:.1}") } else { format!("{low:.1} to {high:.1}") };
+    let psi = span(low, high, 1);
     html! { tr {
         td { (it.id) }
         td { (start) }
@@ -48,5 +48,24 @@ fn row(it: &Session) -> Markup {
         td { (it.transits.len()) }
         td { (format!("{:.1}", it.dwell_s)) }
         td { (psi) }
+        td { (span(it.impact_min_deg, it.impact_max_deg, 2)) }
+        td { (it.signal.antenna_temperature_mk.map_or_else(String::new, significant)) }
+        td { (it.hwp_coverage.map_or_else(String::new, |it| format!("{it:.3}"))) }
     } }
+}
+
+/// A range, or one number where it has no length to see.
+fn span(low: f64, high: f64, digits: usize) -> String {
+    let texts = [low, high].map(|it| format!("{it:.digits$}"));
+    if texts[0] == texts[1] { texts[0].clone() } else { format!("{} to {}", texts[0], texts[1]) }
+}
+
+/// Three digits that count.
+fn significant(number: f64) -> String {
+    match number {
+        it if it >= 100.0 => format!("{it:.0}"),
+        it if it >= 10.0 => format!("{it:.1}"),
+        it if it >= 1.0 => format!("{it:.2}"),
+        it => format!("{it:.3}"),
+    }
 }

@@ -61,8 +61,14 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let opportunities = Opportunities::group(&passes, &world.scan).map_err(Failure::internal)?;
     let blackouts = blackouts(&world)?;
     let sun = world.sun(table)?;
-    let sources =
-        Sources { world: &world, lines: &lines, sun, found: &found, opportunities: &opportunities };
+    let sources = Sources {
+        world: &world,
+        lines: &lines,
+        sun,
+        table,
+        found: &found,
+        opportunities: &opportunities,
+    };
     let mut problem = problem(&world, &opportunities, sources.demands(&blackouts)?);
     wishes.ask(&world, &opportunities, &mut problem)?;
     let search_limit = SearchLimit::new(wishes.time_limit);
@@ -71,6 +77,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         world: &world,
         lines: &lines,
         sun,
+        table,
         found: &found,
         opportunities: &opportunities,
         blackouts: &blackouts,
@@ -130,8 +137,13 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         let resonance = resonance.as_ref();
         tell(shared, &told(&world, &timeline, &opportunities, (&folder, &names), resonance))?;
     }
-    match &resonance {
-        Some(Resonance { checked, .. }) if arguments.strict && !checked.certificate.passes => {
+    verdict(&world, resonance.as_ref().filter(|_| arguments.strict))
+}
+
+/// A failure where the periods beat.
+fn verdict(world: &World, resonance: Option<&Resonance>) -> Result<(), Failure> {
+    match resonance {
+        Some(Resonance { checked, .. }) if !checked.certificate.passes => {
             let name = &world.mission.name;
             Err(Failure::Check(format!("{name}: resonance: {}", checked.sentence())))
         }

@@ -37,8 +37,14 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Fai
     let passes = passes(&found, &lines)?;
     let opportunities = Opportunities::group(&passes, &world.scan).map_err(Failure::internal)?;
     let sun = world.sun(table)?;
-    let sources =
-        Sources { world: &world, lines: &lines, sun, found: &found, opportunities: &opportunities };
+    let sources = Sources {
+        world: &world,
+        lines: &lines,
+        sun,
+        table,
+        found: &found,
+        opportunities: &opportunities,
+    };
     let problem = problem(&world, &opportunities, sources.demands(&blackouts(&world)?)?);
     let earlier = arguments.against.as_ref().map(|path| Earlier::read(path, &world)).transpose()?;
     let difference = earlier.map(|it| it.difference(&timeline));

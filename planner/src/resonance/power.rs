@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// A product of two terms in the variance that is left out.
-pub(super) const NEGLIGIBLE: f64 = 1e-7;
+pub const NEGLIGIBLE: f64 = 1e-7;
 /// A pair that is left out, by its largest possible power.
 pub(super) const NEGLIGIBLE_PAIR: f64 = 1e-13;
 /// Reach in m for one orbit or more.

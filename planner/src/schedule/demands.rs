@@ -8,6 +8,7 @@
 
 use super::{ScheduleError, SessionCount};
 use onboard_core::time::{Duration, Instant};
+use std::collections::BTreeMap;
 
 /// Further rules, and the objective.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -36,6 +37,8 @@ pub struct Demands {
     pub previous: Option<Previous>,
     /// The objective is logarithmic.
     pub log: Option<Log>,
+    /// What each candidate is worth instead of weight times dwell; empty where that stands.
+    pub values: Vec<f64>,
 }
 
 /// Each day that a telescope goes without a session beyond `longest` costs `price_per_day`.
@@ -117,8 +120,18 @@ pub struct Log {
     pub offset: Duration,
     /// Length of an epoch, positive.
     pub epoch: Duration,
-    /// Per candidate: scan-angle bins and the time in each.
+    /// Per candidate: bins, such as ranges of scan angles, and the time in each.
     pub parts: Vec<Vec<(u32, Duration)>>,
+    /// Weights of cells by target and bin, where it is not the target's, finite and not negative.
+    pub weights: BTreeMap<(usize, u32), f64>,
+}
+
+impl Log {
+    /// The weight of a target's cells at a bin.
+    #[must_use]
+    pub fn weight(&self, by_target: &[f64], target: usize, bin: u32) -> f64 {
+        self.weights.get(&(target, bin)).copied().unwrap_or(by_target[target])
+    }
 }
 
 impl Demands {
@@ -191,10 +204,15 @@ impl Demands {
             exist("the previous plan", &previous.sessions)?;
             price("the price of a change", previous.price)?;
         }
+        if !self.values.is_empty() {
+            entries("the values of candidates", self.values.len())?;
+            self.values.iter().try_for_each(|it| price("the value of a candidate", *it))?;
+        }
         if let Some(log) = &self.log {
             entries("the logarithmic objective", log.parts.len())?;
             positive("the offset of the logarithmic objective", log.offset)?;
             positive("the epoch of the logarithmic objective", log.epoch)?;
+            log.weights.values().try_for_each(|it| price("the weight of a cell", *it))?;
         }
         Ok(())
     }

@@ -167,7 +167,7 @@ impl fmt::Display for Stopped {
 pub struct Schedule {
     /// Indices of the taken candidates, by the start of their sessions.
     pub chosen: Vec<usize>,
-    /// Sum of weight times dwell in seconds.
+    /// Sum of weight times dwell in seconds, or what the demands value instead.
     pub objective: f64,
     /// No schedule has a larger objective.
     pub upper_bound: f64,
@@ -300,7 +300,8 @@ impl Problem {
     #[must_use]
     pub fn value(&self, candidate: usize) -> f64 {
         let it = &self.candidates[candidate];
-        self.weights[it.target] * it.dwell.seconds()
+        let own = self.demands.values.get(candidate).copied();
+        own.unwrap_or_else(|| self.weights[it.target] * it.dwell.seconds())
     }
 
     fn validate(&self) -> Result<(), ScheduleError> {

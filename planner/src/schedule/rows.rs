@@ -110,8 +110,9 @@ pub(super) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
     let demands = &problem.demands;
     let unit = match &demands.log {
         None => model.unit(),
-        Some(_) => {
-            (LARGEST_CELL, problem.weights.iter().copied().fold(f64::MIN_POSITIVE, f64::max))
+        Some(log) => {
+            let weights = problem.weights.iter().chain(log.weights.values());
+            (LARGEST_CELL, weights.copied().fold(f64::MIN_POSITIVE, f64::max))
         }
     };
     let count = model.sessions.len();
@@ -297,8 +298,9 @@ impl<'m> Built<'m> {
             }
         }
         let offset = (log.offset.ns() / MS).max(1);
-        for ((target, ..), terms) in cells {
-            let scale = i64_from_f64(self.units(problem.weights[target]).ceil());
+        for ((target, _, _, bin), terms) in cells {
+            let weight = log.weight(&problem.weights, target, bin);
+            let scale = i64_from_f64(self.units(weight).ceil());
             let gain = Gain::Log { scale, offset };
             self.program.cells.push(Cell { terms, gain, base: 0 });
         }

@@ -283,7 +283,8 @@ fn objective(
                 }
             }
             let offset = log.offset.seconds();
-            let gains = cells.iter().map(|(key, t)| problem.weights[key.0] * (t / offset).ln_1p());
+            let weight = |target, bin| log.weight(&problem.weights, target, bin);
+            let gains = cells.iter().map(|(key, t)| weight(key.0, key.3) * (t / offset).ln_1p());
             sum(&mut { gains })
         }
     };
