@@ -135,10 +135,10 @@ impl Log {
 }
 
 impl Demands {
-    /// Whether nothing is asked for.
+    /// Whether nothing is asked for but other values.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        *self == Self::default()
+        *self == Self { values: self.values.clone(), ..Self::default() }
     }
 
     pub(super) fn validate(&self, candidates: usize) -> Result<(), ScheduleError> {
