@@ -16,9 +16,10 @@
 use crate::demands::{Sources, angle_bin};
 use crate::failure::Failure;
 use crate::mission::schedule::Purpose;
+use crate::number::Number;
 use crate::passes::told;
 use crate::sightline::{NONE, SightLine};
-use crate::signal::{hwp_coverage, impact_rad, strength};
+use crate::signal::{hwp_coverage, impact_rad, strength, strength_at};
 use crate::world::body;
 use onboard_core::attitude::sweep;
 use onboard_core::field_of_view::FieldShape;
@@ -66,6 +67,7 @@ impl Sources<'_> {
         if self.world.targets.iter().all(|it| keys.purposes(it.name()).is_empty()) {
             return Ok(Worth::default());
         }
+        self.known()?;
         let list = self.opportunities.list();
         let each = list.par_iter().map(|it| self.valued(it)).collect::<Result<Vec<_>, _>>()?;
         let mut weights = BTreeMap::new();
@@ -83,6 +85,21 @@ impl Sources<'_> {
         Ok(Worth { each, weights })
     }
 
+    /// Whether every weight has a strength, seen in the mission or not.
+    fn known(&self) -> Result<(), Failure> {
+        let world = self.world;
+        let keys = &world.mission.calibration.schedule;
+        for (target, source) in world.targets.iter().enumerate() {
+            for telescope in 0..world.mission.telescopes.len() {
+                for (purpose, _) in weighted(keys.purposes(source.name())) {
+                    let pair = (target, telescope);
+                    self.share(pair, *purpose, &strength_at(world, pair, world.start)?)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn valued(&self, it: &Opportunity) -> Result<Option<Valued>, Failure> {
         let world = self.world;
         let target = world.targets[it.target].name();
@@ -97,8 +114,8 @@ impl Sources<'_> {
         let coverage = line.and_then(|line| hwp_coverage(world, line, found())).unwrap_or(1.0);
         let mut value = 0.0;
         let mut milliseconds: BTreeMap<u32, f64> = BTreeMap::new();
-        for (purpose, weight) in by_purpose.iter().filter(|it| it.1.to_f64() > 0.0) {
-            let share = self.share(it, *purpose, &seen)?;
+        for (purpose, weight) in weighted(by_purpose) {
+            let share = self.share((it.target, it.telescope), *purpose, &seen)?;
             let share =
                 if *purpose == Purpose::PolarisationAngle { share * coverage } else { share };
             for found in found() {
@@ -128,8 +145,13 @@ impl Sources<'_> {
     }
 
     /// (signal / reference)^2.
-    fn share(&self, it: &Opportunity, purpose: Purpose, seen: &Strength) -> Result<f64, Failure> {
-        let telescope = &self.world.mission.telescopes[it.telescope];
+    fn share(
+        &self,
+        (target, telescope): (usize, usize),
+        purpose: Purpose,
+        seen: &Strength,
+    ) -> Result<f64, Failure> {
+        let telescope = &self.world.mission.telescopes[telescope];
         let beam = telescope.beam();
         let (signal, reference) = match purpose {
             Purpose::PolarisationAngle => {
@@ -140,7 +162,7 @@ impl Sources<'_> {
         if let (Some(signal), Some(reference)) = (signal, reference) {
             return Ok((signal / reference) * (signal / reference));
         }
-        let (target, name) = (self.world.targets[it.target].name(), &telescope.name);
+        let (target, name) = (self.world.targets[target].name(), &telescope.name);
         let missing = match beam.frequency_ghz {
             None => format!("frequency_ghz of telescope {name} is needed"),
             Some(at) if reference.is_none() => format!(
@@ -162,6 +184,11 @@ impl Sources<'_> {
         let key = purpose.key();
         Err(Failure::Input(format!("calibration.schedule.weights.{target}.{key}: {missing}")))
     }
+}
+
+/// The weights above zero.
+fn weighted(by_purpose: &[(Purpose, Number)]) -> impl Iterator<Item = &(Purpose, Number)> {
+    by_purpose.iter().filter(|it| it.1.to_f64() > 0.0)
 }
 
 /// The first bin of a purpose.

@@ -57,16 +57,25 @@ impl From<Strength> for Signal {
 /// # Errors
 /// [`Failure::Internal`] where the ephemeris does not serve the mission's own span.
 pub fn strength(world: &World, it: &Opportunity) -> Result<Strength, Failure> {
-    let source = &world.targets[it.target];
-    let beam = world.mission.telescopes[it.telescope].beam();
+    strength_at(world, (it.target, it.telescope), middle(it.first_entry, it.last_exit))
+}
+
+/// The strength of a target in a telescope's beam, both by index, at an instant.
+///
+/// # Errors
+/// As [`strength`].
+pub fn strength_at(
+    world: &World,
+    (target, telescope): (usize, usize),
+    at: Instant,
+) -> Result<Strength, Failure> {
+    let source = &world.targets[target];
+    let beam = world.mission.telescopes[telescope].beam();
     let own = world.mission.calibration.sources.iter().find(|own| own.name == source.name());
     if let Some(own) = own {
         return Ok(own.flux().map_or_else(Strength::default, |flux| beam.strength_of_flux(&flux)));
     }
-    let distance = world
-        .sky
-        .distance_km(source, middle(it.first_entry, it.last_exit))
-        .map_err(Failure::internal)?;
+    let distance = world.sky.distance_km(source, at).map_err(Failure::internal)?;
     Ok(beam.strength_of(source.name(), distance))
 }
 

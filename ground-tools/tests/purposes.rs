@@ -173,6 +173,8 @@ fn weights_without_a_known_strength_are_refused_in_a_sentence() {
     refused(&angle, &low, &["weights.jupiter.polarisation_angle", "polarised signal of jupiter"]);
     refused(&weighted("jupiter", "{ beam_maps = 1.0 }"), &[], &["weights.jupiter.beam_map"]);
     refused(&weighted("jupiter", "{ gain = -1.0 }"), &[], &["weights.jupiter.gain", "-1.0"]);
+    // Never seen from L2, and not in the table.
+    refused(&weighted("moon", "{ gain = 1.0 }"), &[], &["weights.moon.gain", "signal of moon"]);
     let source = "targets = [\"here\"]\n[[calibration.source]]\nname = \"here\"\n\
                   ecliptic_longitude_deg = 190.0\necliptic_latitude_deg = 20.0\n";
     refused(&format!("{source}polarised_fraction = 0.5"), &[], &["flux_jy"]);
