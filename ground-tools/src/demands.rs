@@ -12,16 +12,15 @@
 use crate::calendar::{self, Occasion};
 use crate::failure::Failure;
 use crate::mission::FilePath;
-use crate::passes::{Found, told};
+use crate::passes::{Found, Offers, told};
 use crate::purposes::{Parts, Valued, Worth};
-use crate::sightline::SightLine;
 use crate::world::World;
 use ephem::time::{format_utc, parse_time};
 use onboard_core::attitude::sweep;
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::sun::SunModel;
 use onboard_core::time::{Duration, Instant};
-use planner::opportunity::{Opportunities, Opportunity};
+use planner::opportunity::Opportunity;
 use planner::schedule::{
     Contact, Data, Demands, Diversity, Log, LongestGap, SessionCount, Thermal,
 };
@@ -52,16 +51,12 @@ pub struct Blackout {
 pub struct Sources<'s> {
     /// The mission among the planets.
     pub world: &'s World,
-    /// Its lines of sight.
-    pub lines: &'s [SightLine],
+    /// What it offers: lines of sight, passes, opportunities.
+    pub offers: &'s Offers,
     /// The Sun model that attitudes follow.
     pub sun: SunModel<'s>,
     /// The directions of its targets.
     pub table: EphemerisTable<'s>,
-    /// All passes.
-    pub found: &'s [Found],
-    /// Their opportunities.
-    pub opportunities: &'s Opportunities,
 }
 
 impl Sources<'_> {
@@ -122,25 +117,25 @@ impl Sources<'_> {
     /// The crossing angle of each pass.
     fn angles(&self) -> Result<Vec<f64>, Failure> {
         let angle = |it: &Found| {
-            let rotation = self.lines[it.line].rotation;
+            let rotation = self.offers.lines[it.line].rotation;
             sweep(&self.world.scan, &self.sun, rotation, it.transit.closest)
                 .map(|seen| seen.crossing_angle_rad)
                 .map_err(|error| Failure::internal(told(error)))
         };
-        self.found.par_iter().map(angle).collect()
+        self.offers.found.par_iter().map(angle).collect()
     }
 
     /// Per opportunity, the sums of w, w cos(n psi), w sin(n psi), w the time of a pass.
     fn resultants(&self, angles: &[f64], n: u32) -> Vec<[f64; 3]> {
         let of = |it| {
-            let passes = self.opportunities.passes(it).iter();
+            let passes = self.offers.opportunities.passes(it).iter();
             passes.fold([0.0; 3], |[w, c, s], &pass| {
-                let time = self.found[pass].transit.dwell().seconds();
+                let time = self.offers.found[pass].transit.dwell().seconds();
                 let (sin, cos) = (f64::from(n) * angles[pass]).sin_cos();
                 [w + time, c + time * cos, s + time * sin]
             })
         };
-        self.opportunities.list().iter().map(of).collect()
+        self.offers.opportunities.list().iter().map(of).collect()
     }
 
     /// Per opportunity, what it is worth by purposes, or weight times dwell.
@@ -150,7 +145,7 @@ impl Sources<'_> {
             Some(valued) => valued.value,
             None => keys.weight(self.world.targets[it.target].name()) * it.dwell.seconds(),
         };
-        self.opportunities.list().iter().zip(&worth.each).map(of).collect()
+        self.offers.opportunities.list().iter().zip(&worth.each).map(of).collect()
     }
 
     /// Per opportunity, the time in each bin: of the crossing angle, or of its purposes.
@@ -160,8 +155,9 @@ impl Sources<'_> {
                 return valued.parts.clone();
             }
             let mut parts: Vec<(u32, Duration)> = Vec::new();
-            for &pass in self.opportunities.passes(it) {
-                let (bin, time) = (angle_bin(angles[pass]), self.found[pass].transit.dwell());
+            for &pass in self.offers.opportunities.passes(it) {
+                let (bin, time) =
+                    (angle_bin(angles[pass]), self.offers.found[pass].transit.dwell());
                 match parts.iter_mut().find(|part| part.0 == bin) {
                     Some(part) => part.1 = Duration::from_ns(part.1.ns() + time.ns()),
                     None => parts.push((bin, time)),
@@ -169,7 +165,7 @@ impl Sources<'_> {
             }
             parts
         };
-        self.opportunities.list().iter().enumerate().map(of).collect()
+        self.offers.opportunities.list().iter().enumerate().map(of).collect()
     }
 
     /// Opportunities with a pass too near to a body to avoid.
@@ -178,10 +174,10 @@ impl Sources<'_> {
             return Ok(Vec::new());
         }
         let near = |pass: usize| -> Result<bool, Failure> {
-            let found = &self.found[pass];
+            let found = &self.offers.found[pass];
             let transit = &found.transit;
             for at in [transit.entry, transit.closest, transit.exit] {
-                let rotation = self.lines[found.line].rotation;
+                let rotation = self.offers.lines[found.line].rotation;
                 let sight = sweep(&self.world.scan, &self.sun, rotation, at)
                     .map_err(|error| Failure::internal(told(error)))?
                     .direction;
@@ -194,11 +190,11 @@ impl Sources<'_> {
             }
             Ok(false)
         };
-        let list = self.opportunities.list();
+        let list = self.offers.opportunities.list();
         let all: Result<Vec<bool>, Failure> = list
             .par_iter()
             .map(|it| {
-                for &pass in self.opportunities.passes(it) {
+                for &pass in self.offers.opportunities.passes(it) {
                     if near(pass)? {
                         return Ok(true);
                     }

@@ -1,14 +1,15 @@
-//! Every transit of every target through every line of sight, in order.
+//! Every transit of every target through every line of sight, in order, and what they offer a plan.
 //!
 //! Method: one channel of the flight core's finder for each pair, run in parallel; then sorted by
 //! entry, target and line of sight. The ground adds nothing to the mathematics.
 
 use crate::failure::Failure;
-use crate::sightline::{SightLine, View};
+use crate::sightline::{SightLine, View, of_plan};
 use crate::world::{World, body};
 use ephem::time::format_tdb;
 use onboard_core::ephemeris::{EphemerisError, EphemerisTable};
 use onboard_core::transit::{Channel, Transit};
+use planner::opportunity::{Opportunities, Pass};
 use planner::visits::transits;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -22,6 +23,33 @@ pub struct Found {
     pub line: usize,
     /// The transit.
     pub transit: Transit,
+}
+
+/// What a mission offers to a plan.
+#[derive(Debug)]
+pub struct Offers {
+    /// Its lines of sight.
+    pub lines: Vec<SightLine>,
+    /// All transits through them.
+    pub found: Vec<Found>,
+    /// Their opportunities.
+    pub opportunities: Opportunities,
+}
+
+impl Offers {
+    /// The transits of every target through every line of sight of a plan, grouped.
+    ///
+    /// # Errors
+    /// [`Failure::Internal`] where the fitted table does not serve its own span,
+    /// [`Failure::Input`] where a line of sight cannot be made.
+    pub fn find(world: &World, table: EphemerisTable<'_>) -> Result<Self, Failure> {
+        let lines = of_plan(&world.mission)?;
+        let found = search(world, table, &lines)?;
+        let passes = passes(&found, &lines)?;
+        let opportunities =
+            Opportunities::group(&passes, &world.scan).map_err(Failure::internal)?;
+        Ok(Self { lines, found, opportunities })
+    }
 }
 
 /// All transits over the mission, by entry, then target, then line of sight.
@@ -63,6 +91,27 @@ pub fn search(
     let mut found = found?.concat();
     found.sort_by_key(|it| (it.transit.entry, it.target, it.line));
     Ok(found)
+}
+
+fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, Failure> {
+    found
+        .iter()
+        .map(|it| {
+            let telescope = lines[it.line]
+                .telescope
+                .ok_or_else(|| Failure::internal("a plan's line of sight without a telescope"))?;
+            Ok(Pass {
+                target: it.target,
+                telescope,
+                detector: it.line,
+                entry: it.transit.entry,
+                exit: it.transit.exit,
+                closest: it.transit.closest,
+                entry_clipped: it.transit.entry_clipped,
+                exit_clipped: it.transit.exit_clipped,
+            })
+        })
+        .collect()
 }
 
 /// An error of the core's table, in words.

@@ -68,7 +68,7 @@ impl Sources<'_> {
             return Ok(Worth::default());
         }
         self.known()?;
-        let list = self.opportunities.list();
+        let list = self.offers.opportunities.list();
         let each = list.par_iter().map(|it| self.valued(it)).collect::<Result<Vec<_>, _>>()?;
         let mut weights = BTreeMap::new();
         for (it, valued) in list.iter().zip(&each) {
@@ -108,9 +108,9 @@ impl Sources<'_> {
             return Ok(None);
         }
         let seen = strength(world, it)?;
-        let passes = self.opportunities.passes(it);
-        let found = || passes.iter().map(|&pass| &self.found[pass]);
-        let line = found().next().map(|it| &self.lines[it.line]);
+        let passes = self.offers.opportunities.passes(it);
+        let found = || passes.iter().map(|&pass| &self.offers.found[pass]);
+        let line = found().next().map(|it| &self.offers.lines[it.line]);
         let coverage = line.and_then(|line| hwp_coverage(world, line, found())).unwrap_or(1.0);
         let mut value = 0.0;
         let mut milliseconds: BTreeMap<u32, f64> = BTreeMap::new();
@@ -119,7 +119,7 @@ impl Sources<'_> {
             let share =
                 if *purpose == Purpose::PolarisationAngle { share * coverage } else { share };
             for found in found() {
-                let line = &self.lines[found.line];
+                let line = &self.offers.lines[found.line];
                 let outside = |error| Failure::internal(told(error));
                 let at = found.transit.closest;
                 let looks = sweep(&world.scan, &self.sun, line.rotation, at).map_err(outside)?;

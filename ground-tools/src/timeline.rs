@@ -8,11 +8,10 @@ use crate::degrees;
 use crate::demands::Blackout;
 use crate::failure::Failure;
 use crate::output::WriteError;
-use crate::passes::{Found, told};
+use crate::passes::{Found, Offers, told};
 use crate::provenance::Provenance;
 use crate::resonance_check::Checked;
 use crate::rows::{self, Layout};
-use crate::sightline::SightLine;
 use crate::signal::{Signal, hwp_coverage, impact_rad, strength};
 use crate::world::{World, body};
 use ephem::time::{format_tdb, format_utc};
@@ -22,7 +21,7 @@ use onboard_core::hwp::hwp_phase;
 use onboard_core::sun::SunModel;
 use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::SessionRecord;
-use planner::opportunity::{Opportunities, Opportunity};
+use planner::opportunity::Opportunity;
 use planner::resonance::Recommendation;
 use planner::schedule::{Because, ConstraintUse, Loosening, Problem, Rule, Schedule};
 use rayon::prelude::*;
@@ -36,16 +35,12 @@ use std::io::Write;
 pub struct Planned<'p> {
     /// The mission among the planets.
     pub world: &'p World,
-    /// Its lines of sight.
-    pub lines: &'p [SightLine],
+    /// What it offers: lines of sight, passes, opportunities.
+    pub offers: &'p Offers,
     /// The Sun model on the table that goes on board.
     pub sun: SunModel<'p>,
     /// The directions of its targets.
     pub table: EphemerisTable<'p>,
-    /// All passes.
-    pub found: &'p [Found],
-    /// Their opportunities; candidate i of the problem is opportunity i.
-    pub opportunities: &'p Opportunities,
     /// The blackouts, as in the problem's demands.
     pub blackouts: &'p [Blackout],
     /// The scheduling problem.
@@ -274,7 +269,7 @@ impl Planned<'_> {
     }
 
     fn opportunity(&self, candidate: usize) -> &Opportunity {
-        &self.opportunities.list()[candidate]
+        &self.offers.opportunities.list()[candidate]
     }
 
     fn telescope(&self, candidate: usize) -> &str {
@@ -299,15 +294,15 @@ impl Planned<'_> {
             "weights by purpose".to_owned()
         };
         let dwell_s = opportunity.dwell.seconds();
-        let passes = self.opportunities.passes(opportunity);
+        let passes = self.offers.opportunities.passes(opportunity);
         let transits = passes
             .iter()
-            .map(|&pass| self.transit(&self.found[pass]))
+            .map(|&pass| self.transit(&self.offers.found[pass]))
             .collect::<Result<Vec<_>, _>>()?;
         let (impact_min_deg, impact_max_deg) =
             range(transits.iter().map(|it: &SessionTransit| it.impact_deg));
-        let found = || passes.iter().map(|&pass| &self.found[pass]);
-        let line = found().next().map(|it| &self.lines[it.line]);
+        let found = || passes.iter().map(|&pass| &self.offers.found[pass]);
+        let line = found().next().map(|it| &self.offers.lines[it.line]);
         Ok(Session {
             id: self.id(candidate),
             target: self.target(candidate).to_owned(),
@@ -334,7 +329,7 @@ impl Planned<'_> {
     }
 
     fn transit(&self, found: &Found) -> Result<SessionTransit, Failure> {
-        let (line, transit) = (&self.lines[found.line], &found.transit);
+        let (line, transit) = (&self.offers.lines[found.line], &found.transit);
         let at = transit.closest;
         let outside = |error| Failure::internal(told(error));
         let seen = sweep(&self.world.scan, &self.sun, line.rotation, at).map_err(outside)?;
@@ -363,7 +358,7 @@ impl Planned<'_> {
         let too_large = |what: &str| {
             Failure::Input(format!("the uplink table cannot hold the {what} of a session"))
         };
-        let passes = self.opportunities.passes(opportunity).len();
+        let passes = self.offers.opportunities.passes(opportunity).len();
         Ok(SessionRecord {
             start,
             end,

@@ -24,7 +24,8 @@ pub(super) fn title(source: &Source) -> Markup {
 pub(super) fn section(source: &Source, names: &Names) -> Markup {
     let timeline = source.timeline;
     let hours = total(timeline.sessions.iter().map(|it| it.dwell_s)) / 3600.0;
-    let offered = total(source.opportunities.list().iter().map(|it| it.dwell.seconds())) / 3600.0;
+    let offered =
+        total(source.offers.opportunities.list().iter().map(|it| it.dwell.seconds())) / 3600.0;
     let share = if offered > 0.0 { 100.0 * hours / offered } else { 0.0 };
     let passes: usize = timeline.sessions.iter().map(|it| it.transits.len()).sum();
     let resonance = resonance(timeline.resonance.as_ref());

@@ -6,7 +6,7 @@ use super::plot::{colour, n};
 use maud::{Markup, html};
 
 pub(super) fn section(source: &Source, names: &Names) -> Markup {
-    let list = source.opportunities.list();
+    let list = source.offers.opportunities.list();
     let offered = |target: usize, telescope: Option<usize>| {
         let here = list.iter().filter(|it| it.target == target);
         let here = here.filter(|it| telescope.is_none_or(|index| it.telescope == index));

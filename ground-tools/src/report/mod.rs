@@ -32,14 +32,12 @@ pub use difference::{Difference, Entry, Moved};
 pub use names::chosen;
 
 use crate::failure::Failure;
-use crate::passes::Found;
-use crate::sightline::SightLine;
+use crate::passes::Offers;
 use crate::timeline::Timeline;
 use crate::world::World;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use names::Names;
 use onboard_core::ephemeris::EphemerisTable;
-use planner::opportunity::Opportunities;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPTS: [&str; 5] = [
@@ -59,12 +57,8 @@ pub struct Source<'r> {
     pub world: &'r World,
     /// The fitted directions of its targets.
     pub table: EphemerisTable<'r>,
-    /// The lines of sight of the plan.
-    pub lines: &'r [SightLine],
-    /// All passes through them.
-    pub found: &'r [Found],
-    /// Their opportunities.
-    pub opportunities: &'r Opportunities,
+    /// What it offers: lines of sight, passes, opportunities.
+    pub offers: &'r Offers,
     /// The plan.
     pub timeline: &'r Timeline,
     /// A rule that the plan breaks, in words, by the check in exact arithmetic.

@@ -24,7 +24,7 @@ impl<'r> Names<'r> {
             source.world.mission.telescopes.iter().map(|it| &*it.name).collect();
         let targets: Vec<&str> =
             source.world.targets.iter().map(ephem::source::Source::name).collect();
-        let list = source.opportunities.list();
+        let list = source.offers.opportunities.list();
         let mut names = Self {
             telescopes,
             targets,

@@ -47,7 +47,7 @@ impl Data {
             reasons: Vec::new(),
             last: (0, 0),
         };
-        let list = source.opportunities.list();
+        let list = source.offers.opportunities.list();
         let template = list
             .iter()
             .enumerate()
@@ -199,8 +199,8 @@ impl Writer<'_, '_> {
     /// The seconds in view: passes that touch or overlap as one.
     fn times(&self, it: &Opportunity) -> Vec<(i64, i64)> {
         let mut times: Vec<(i64, i64)> = Vec::new();
-        for &pass in self.source.opportunities.passes(it) {
-            let transit = &self.source.found[pass].transit;
+        for &pass in self.source.offers.opportunities.passes(it) {
+            let transit = &self.source.offers.found[pass].transit;
             let (from, until) = (self.second(transit.entry), self.second(transit.exit));
             match times.last_mut() {
                 Some(last) if from <= last.1 => last.1 = last.1.max(until),

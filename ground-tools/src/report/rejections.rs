@@ -10,7 +10,7 @@ use maud::{Markup, html};
 use std::collections::BTreeMap;
 
 pub(super) fn section(source: &Source, names: &Names, data: &Data) -> Markup {
-    let list = source.opportunities.list();
+    let list = source.offers.opportunities.list();
     let mut reasons: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     let labels: Vec<String> = data.templates.iter().map(|it| label(it)).collect();
     let mission = &source.world.mission;

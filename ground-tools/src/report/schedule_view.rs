@@ -92,7 +92,7 @@ fn strips<'r>(source: &Source, names: &Names<'r>, axis: &TimeAxis) -> Vec<Strip<
     let mut used = offered.clone();
     let mut sessions = vec![0; names.classes()];
     let per_day = real(PARTS) / axis.days() / 60.0;
-    for (index, it) in source.opportunities.list().iter().enumerate() {
+    for (index, it) in source.offers.opportunities.list().iter().enumerate() {
         let class = names.class(it);
         let part = part(axis.share(it.first_entry));
         offered[class][part] += it.dwell.seconds() * per_day;

@@ -51,6 +51,7 @@ pub(super) fn section(source: &Source) -> Result<Markup, Failure> {
     }
     let bore = ring(source, Direction::Z, 0.0);
     let all = source
+        .offers
         .lines
         .iter()
         .map(|line| ring(source, line.field.centre(), line.field.reach_rad()))

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::interrupt::SearchLimit;
 use crate::mission::schedule::Exclusive as ExclusiveKey;
 use crate::output::{fill_folder, whole};
-use crate::passes::{Found, search};
+use crate::passes::Offers;
 use crate::product::stamp::stamp;
 use crate::product::{ALWAYS, Also, Products};
 use crate::provenance::PROGRAM;
@@ -16,14 +16,13 @@ use crate::report::{self, Difference};
 use crate::resonance_check::{ResonanceCheck, minutes};
 use crate::revision::{Earlier, Revision};
 use crate::rounding;
-use crate::sightline::{SightLine, of_plan};
 use crate::timeline::{Planned, Resonance, Timeline, date, session_id};
 use crate::uplink::{Contents, slow_checks};
 use crate::world::World;
 use ephem::fit::FitOptions;
 use ephem::time::{parse_time, utc_day, utc_midnight};
 use onboard_core::time::{Duration, Instant};
-use planner::opportunity::{Opportunities, Pass};
+use planner::opportunity::Opportunities;
 use planner::schedule::{
     Candidate, Conflict, Demands, Exclusive, Loosening, Problem, RuleName, Rules, Schedule,
     ScheduleError, SessionCount, Stopped, check, loosen, schedule_until,
@@ -55,31 +54,20 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let resonance = resonance(shared, &world)?;
     let tables = world.tables(&FitOptions::UPLINK)?;
     let table = tables.parse()?;
-    let lines = of_plan(&world.mission)?;
-    let found = search(&world, table, &lines)?;
-    let passes = passes(&found, &lines)?;
-    let opportunities = Opportunities::group(&passes, &world.scan).map_err(Failure::internal)?;
+    let offers = Offers::find(&world, table)?;
+    let opportunities = &offers.opportunities;
     let blackouts = blackouts(&world)?;
     let sun = world.sun(table)?;
-    let sources = Sources {
-        world: &world,
-        lines: &lines,
-        sun,
-        table,
-        found: &found,
-        opportunities: &opportunities,
-    };
-    let mut problem = problem(&world, &opportunities, sources.demands(&blackouts)?);
-    wishes.ask(&world, &opportunities, &mut problem)?;
+    let sources = Sources { world: &world, offers: &offers, sun, table };
+    let mut problem = problem(&world, opportunities, sources.demands(&blackouts)?);
+    wishes.ask(&world, opportunities, &mut problem)?;
     let search_limit = SearchLimit::new(wishes.time_limit);
     let (schedule, loosened) = scheduled(&world, &problem, &search_limit)?;
     let planned = Planned {
         world: &world,
-        lines: &lines,
+        offers: &offers,
         sun,
         table,
-        found: &found,
-        opportunities: &opportunities,
         blackouts: &blackouts,
         problem: &problem,
         schedule: &schedule,
@@ -102,9 +90,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let page = report::page(&report::Source {
         world: &world,
         table,
-        lines: &lines,
-        found: &found,
-        opportunities: &opportunities,
+        offers: &offers,
         timeline: &timeline,
         violation: violation.as_deref(),
         difference: difference.as_ref(),
@@ -132,10 +118,10 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         remove_stale(&folder, &names)?;
     }
     if shared.json {
-        print_json(&summary(&world, &timeline, &opportunities))?;
+        print_json(&summary(&world, &timeline, opportunities))?;
     } else {
         let resonance = resonance.as_ref();
-        tell(shared, &told(&world, &timeline, &opportunities, (&folder, &names), resonance))?;
+        tell(shared, &told(&world, &timeline, opportunities, (&folder, &names), resonance))?;
     }
     verdict(&world, resonance.as_ref().filter(|_| arguments.strict))
 }
@@ -221,27 +207,6 @@ fn remove_stale(folder: &Path, written: &[&str]) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-pub(super) fn passes(found: &[Found], lines: &[SightLine]) -> Result<Vec<Pass>, Failure> {
-    found
-        .iter()
-        .map(|it| {
-            let telescope = lines[it.line]
-                .telescope
-                .ok_or_else(|| Failure::internal("a plan's line of sight without a telescope"))?;
-            Ok(Pass {
-                target: it.target,
-                telescope,
-                detector: it.line,
-                entry: it.transit.entry,
-                exit: it.transit.exit,
-                closest: it.transit.closest,
-                entry_clipped: it.transit.entry_clipped,
-                exit_clipped: it.transit.exit_clipped,
-            })
-        })
-        .collect()
 }
 
 /// The schedule, and what its rules' giving way would bring; rules that contradict each other fail in

@@ -3,20 +3,18 @@
 //! Passes are computed afresh; the mission and the kernel must be those of the plan, told by digest. The
 //! sessions are held against every rule once more: a plan that breaks one gets its page, and exit code 1.
 
-use super::plan::{passes, problem};
+use super::plan::problem;
 use super::{sink, warn, world};
 use crate::cli::{ReportArgs, SharedArgs};
 use crate::demands::{Sources, blackouts};
 use crate::failure::Failure;
-use crate::passes::search;
+use crate::passes::Offers;
 use crate::provenance::Provenance;
 use crate::report::{Source, chosen, page};
 use crate::revision::Earlier;
-use crate::sightline::of_plan;
 use crate::timeline::Timeline;
 use crate::world::World;
 use ephem::fit::FitOptions;
-use planner::opportunity::Opportunities;
 use planner::schedule::check;
 use std::path::Path;
 
@@ -32,28 +30,16 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Fai
     }
     let tables = world.tables(&FitOptions::UPLINK)?;
     let table = tables.parse()?;
-    let lines = of_plan(&world.mission)?;
-    let found = search(&world, table, &lines)?;
-    let passes = passes(&found, &lines)?;
-    let opportunities = Opportunities::group(&passes, &world.scan).map_err(Failure::internal)?;
+    let offers = Offers::find(&world, table)?;
     let sun = world.sun(table)?;
-    let sources = Sources {
-        world: &world,
-        lines: &lines,
-        sun,
-        table,
-        found: &found,
-        opportunities: &opportunities,
-    };
-    let problem = problem(&world, &opportunities, sources.demands(&blackouts(&world)?)?);
+    let sources = Sources { world: &world, offers: &offers, sun, table };
+    let problem = problem(&world, &offers.opportunities, sources.demands(&blackouts(&world)?)?);
     let earlier = arguments.against.as_ref().map(|path| Earlier::read(path, &world)).transpose()?;
     let difference = earlier.map(|it| it.difference(&timeline));
     let source = Source {
         world: &world,
         table,
-        lines: &lines,
-        found: &found,
-        opportunities: &opportunities,
+        offers: &offers,
         timeline: &timeline,
         violation: None,
         difference: difference.as_ref(),
