@@ -35,7 +35,7 @@ const CUT_ROUNDS: usize = 6;
 /// Most pivots of one relaxation.
 const PIVOTS: usize = 20_000;
 /// Nodes between two attempts at rounding.
-const ROUNDING: usize = 20;
+const ROUNDING: usize = 3;
 /// Nodes of one searcher alone, number of searchers after that, and nodes of each between two talks.
 const ALONE: usize = 400;
 const TEAM: usize = 4;

@@ -117,7 +117,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { nodes: 400_000, work: 45_000_000_000, cut_rounds: 8, passes: 3, exchange_nodes: 200 }
+        Self { nodes: 400_000, work: 70_000_000_000, cut_rounds: 8, passes: 3, exchange_nodes: 200 }
     }
 }
 
