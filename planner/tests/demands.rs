@@ -384,3 +384,92 @@ fn scan_angles_that_single_sessions_break_are_taken_together() {
     assert!(!found.chosen.is_empty());
     assert!(found.gap < 0.05, "{} of {}: {}", found.objective, found.upper_bound, found.gap);
 }
+
+/// Minutes of a block, and how many follow each other.
+const BLOCK: i64 = 5_760;
+const BLOCKS: i64 = 10;
+
+/// Blocks of four days, candidates on the second and third alone, so that no rule joins two of them; the
+/// memory is empty at the end of each.
+fn blocks(lists: &[Vec<Candidate>], demands: &Demands) -> Problem {
+    let moved = |(block, list): (i64, &Vec<Candidate>)| -> Vec<Candidate> {
+        let by = minutes(BLOCK * block);
+        let later = |it: &Candidate| Candidate {
+            first_entry: it.first_entry.plus(by),
+            last_exit: it.last_exit.plus(by),
+            ..*it
+        };
+        list.iter().map(later).collect()
+    };
+    let candidates: Vec<Candidate> = (0..).zip(lists).flat_map(moved).collect();
+    let count = i64::try_from(lists.len()).unwrap();
+    let contacts = (0..count).flat_map(|block| {
+        let contact = |from: i64, until: i64, bit_s| Contact {
+            from: at(BLOCK * block + from),
+            until: at(BLOCK * block + until),
+            bit_s,
+        };
+        [contact(2_700, 2_760, 10), contact(4_600, 5_700, 1_000_000)]
+    });
+    let contacts: Vec<Contact> = contacts.collect();
+    let data = demands.data.clone().map(|data| Data { contacts, ..data });
+    let demands = Demands { data, ..demands.clone() };
+    Problem { demands, ..problem(candidates, 4 * count) }
+}
+
+/// The best worth of a problem of one block, by trying every set.
+fn best_of(problem: &Problem) -> Option<f64> {
+    let count = problem.candidates.len();
+    let sets = (0_u32..1 << count)
+        .map(|set| (0..count).filter(|it| set >> it & 1 == 1).collect::<Vec<usize>>());
+    let legal = sets.filter(|chosen| check(problem, chosen).is_ok());
+    legal.map(|chosen| worth(problem, &chosen)).reduce(f64::max)
+}
+
+#[test]
+fn bounds_over_many_sessions_are_not_below_the_optimum() {
+    let mut random = SplitMix64(31);
+    for round in 0..5 {
+        let mut demands = Demands {
+            min_sessions: Some(SessionCount { count: 1, window: minutes(BLOCK) }),
+            longest_gap: Some(LongestGap {
+                longest: minutes(1_440),
+                price_per_day: f64::from(i32::try_from(random.between(0, 9_000)).unwrap()),
+            }),
+            data: Some(Data {
+                rate_bit_s: 100,
+                memory_bit: random.between(300_000, 1_500_000).unsigned_abs(),
+                contacts: Vec::new(),
+            }),
+            ..Demands::default()
+        };
+        if round % 3 == 0 {
+            let most = minutes(random.between(150, 320));
+            demands.thermal = Some(Thermal { most, window: minutes(1_440) });
+        }
+        let mut lists = Vec::new();
+        let mut best = 0.0;
+        while lists.len() < index(BLOCKS) {
+            let list: Vec<Candidate> = (0..7)
+                .map(|_| {
+                    let (target, telescope) = (random.between(0, 1), random.between(0, 1));
+                    let start = random.between(1_500, 4_000);
+                    candidate(index(target), index(telescope), start, random.between(30, 150))
+                })
+                .collect();
+            // Blocks that cannot be met are drawn again.
+            if let Some(worth) = best_of(&blocks(std::slice::from_ref(&list), &demands)) {
+                best += worth;
+                lists.push(list);
+            }
+        }
+        let problem = blocks(&lists, &demands);
+        let found = schedule(&problem).unwrap();
+        let close = 1e-6 * best.abs().max(1.0);
+        assert_eq!(check(&problem, &found.chosen), Ok(()), "round {round}");
+        assert!((worth(&problem, &found.chosen) - found.objective).abs() < close, "round {round}");
+        assert!(found.objective <= best + close, "round {round}: {} {best}", found.objective);
+        assert!(found.upper_bound >= best - close, "round {round}: bound too low");
+        assert!(found.objective >= best - close, "round {round}: {} {best}", found.objective);
+    }
+}

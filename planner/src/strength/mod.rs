@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     const AU_KM: f64 = 149_597_870.7;
-    /// The beams of LiteBIRD's widest used bands.
+    /// The beam of LiteBIRD's LFT at 140 GHz.
     const LFT: Beam = Beam { fwhm_rad: 23.7 / 60.0 * PI / 180.0, frequency_ghz: Some(140.0) };
 
     /// Diameter in rad, dilution, brightness and antenna temperature in K.
