@@ -24,10 +24,15 @@ pub fn write<R: Serialize>(
         Format::Csv => csv_rows(out, rows, layout),
         Format::Jsonl => json_rows(out, rows, layout),
         Format::Parquet => columns::write(out, rows, layout),
-        Format::C => Err(WriteError::Failed(Failure::Input(
-            "--format c is the form of vectors alone: csv, jsonl or parquet is needed".to_owned(),
-        ))),
+        Format::C => Err(WriteError::Failed(alone("c", "vectors"))),
+        Format::Aem => Err(WriteError::Failed(alone("aem", "pointing"))),
     }
+}
+
+fn alone(format: &str, verb: &str) -> Failure {
+    Failure::Input(format!(
+        "--format {format} is a form of {verb} alone: csv, jsonl or parquet is needed"
+    ))
 }
 
 /// How rows are written.

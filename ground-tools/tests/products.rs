@@ -76,17 +76,17 @@ fn rows(text: &str) -> Vec<BTreeMap<String, String>> {
     reader.deserialize().map(Result::unwrap).collect()
 }
 
-/// Boresight to ICRF as `pointing` has it, at instants in ns of TAI.
-fn pointing(plan: &Plan, instants: &[i64]) -> Vec<[f64; 4]> {
+/// Boresight to ICRF as `pointing` has it, at instants in ns of TAI; `line` names another line of sight.
+fn pointing(start_ns: i64, instants: &[i64], line: &[&str]) -> Vec<[f64; 4]> {
     let elapsed = |ns: &i64| {
-        let ns = ns - plan.start_ns();
+        let ns = ns - start_ns;
         format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
     };
     let half = (0.5 * 84_381.448 * ARCSEC).sin_cos();
     let mut found = Vec::new();
     for part in instants.chunks(1000) {
         let at = part.iter().map(elapsed).collect::<Vec<_>>().join(",");
-        let text = run(&[&["pointing", "--at", &at], &MISSION[..]].concat());
+        let text = run(&[&["pointing", "--at", &at], &MISSION[..], line].concat());
         found.extend(rows(&text).iter().map(|row| {
             let [x, y, z, w]: [f64; 4] =
                 ["q_x", "q_y", "q_z", "q_w"].map(|key| row[key].parse().unwrap());
@@ -112,6 +112,15 @@ fn slerp(a: [f64; 4], b: [f64; 4], part: f64) -> [f64; 4] {
     let half = 0.5 * apart(a, b);
     let (p, q) = ((half * (1.0 - part)).sin() / half.sin(), (half * part).sin() / half.sin());
     std::array::from_fn(|index| p * a[index] + q * b[index])
+}
+
+/// The vector of q* p: half the small turn from one attitude to another, in the body.
+fn between([x, y, z, w]: [f64; 4], to: [f64; 4]) -> [f64; 3] {
+    [
+        w * to[0] - x * to[3] - y * to[2] + z * to[1],
+        w * to[1] - y * to[3] - z * to[0] + x * to[2],
+        w * to[2] - z * to[3] - x * to[1] + y * to[0],
+    ]
 }
 
 /// ns of TAI of an AEM's UTC, 37 s behind.
@@ -162,7 +171,7 @@ fn an_aem_in_either_notation_gives_back_the_attitude() {
     assert!(rows.iter().all(|pair| dot(pair[0].1, pair[1].1) > 0.9));
     let some: Vec<_> = rows.iter().step_by(rows.len().div_ceil(700)).collect();
     let instants: Vec<i64> = some.iter().map(|pair| pair[0].0).collect();
-    for (pair, expected) in some.iter().zip(pointing(&PLAN, &instants)) {
+    for (pair, expected) in some.iter().zip(pointing(PLAN.start_ns(), &instants, &[])) {
         assert!(apart(pair[0].1, expected) < 2.1e-10, "{}", apart(pair[0].1, expected));
     }
     let mut worst = 0.0_f64;
@@ -173,7 +182,7 @@ fn an_aem_in_either_notation_gives_back_the_attitude() {
             ns
         };
         let instants: Vec<i64> = some.iter().map(|pair| pair[0].0 + offset(pair)).collect();
-        for (pair, expected) in some.iter().zip(pointing(&PLAN, &instants)) {
+        for (pair, expected) in some.iter().zip(pointing(PLAN.start_ns(), &instants, &[])) {
             worst = worst.max(apart(slerp(pair[0].1, pair[1].1, part), expected));
         }
     }
@@ -211,6 +220,65 @@ fn the_whole_mission_is_one_segment_at_the_error_asked_for() {
     let rows = states(&Aem::from_kvn(&text).unwrap());
     let (first, last) = (rows[0][0].0, rows[0][rows[0].len() - 1].0);
     assert!((10_800_000_000_000 - (last - first)).abs() < 2000, "{}", last - first);
+}
+
+#[test]
+fn a_line_of_sight_has_an_aem_of_its_own() {
+    let message = |arguments: &[&str]| {
+        let text = run(&[&["pointing", "--format", "aem"], &MISSION[..], arguments].concat());
+        (Aem::from_kvn(&text).unwrap(), text)
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let mission = folder.path().join("mission.toml");
+    // q = (0.1, -0.2, 0.3, sqrt(0.86)).
+    let telescope = "base = \"litebird\"\n[[telescope]]\nname = \"side\"\n\
+                     fwhm_arcmin = 20.0\n\
+                     boresight_quaternion_xyzw = [0.1, -0.2, 0.3, 0.9273618495495703]\n";
+    std::fs::write(&mission, telescope).unwrap();
+    let side = ["--telescope", "side", "--mission", mission.to_str().unwrap()];
+    for (line, frame, arguments, step_ns) in [
+        (&[][..], "SC_BODY_1", &["--aem-error-arcsec", "20"][..], 18_000_000_000),
+        (&side[..], "INSTRUMENT_1", &["--step", "10.5"][..], 10_500_000_000),
+    ] {
+        let (aem, text) = message(&[line, arguments].concat());
+        let [segment] = &aem.body.segment[..] else { panic!("{}", aem.body.segment.len()) };
+        assert_eq!(segment.metadata.ref_frame_b, frame);
+        assert_eq!(segment.metadata.angvel_frame.as_deref(), Some(frame));
+        assert_eq!(text.contains("the frame of side"), !line.is_empty());
+        let states = states(&aem).concat();
+        assert!(
+            states[1..states.len() - 1].windows(2).all(|pair| pair[1].0 - pair[0].0 == step_ns)
+        );
+        let some: Vec<_> = states.iter().skip(1).step_by(37).collect();
+        let instants: Vec<i64> = some.iter().map(|it| it.0).collect();
+        for (state, expected) in some.iter().zip(pointing(PLAN.start_ns(), &instants, line)) {
+            assert!(apart(state.1, expected) < 2.1e-10, "{}", apart(state.1, expected));
+        }
+        // |omega| does not depend on the frame it is told in, the components do: 2 q* q' near enough.
+        for pair in states.windows(2).step_by(50) {
+            #[expect(clippy::cast_precision_loss, reason = "some seconds")]
+            let seconds = (pair[1].0 - pair[0].0) as f64 * 1e-9;
+            for (turned, rate) in between(pair[0].1, pair[1].1).iter().zip(pair[0].2) {
+                let rate = rate.to_radians();
+                assert!((2.0 * turned / seconds - rate).abs() < 3e-5, "{turned} {rate}");
+            }
+        }
+    }
+    for (arguments, said) in [
+        (&["--format", "aem", "--at", "0"][..], "--at names single instants"),
+        (&["--format", "aem", "--step", "0.0005"], "whole milliseconds"),
+        (&["--format", "aem", "--step", "4000"], "more than 0.25 rad"),
+        (&["--format", "aem", "--stamp", "today"], "--stamp"),
+        (&[], "pointing needs instants"),
+    ] {
+        let output = gyrfalcon(&[&["pointing"], arguments, &MISSION].concat());
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && error.contains(said), "{arguments:?}: {error}");
+        assert!(output.stdout.is_empty());
+    }
+    let output = gyrfalcon(&[&["transits", "--format", "aem"], &MISSION[..]].concat());
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.contains("a form of pointing alone"), "{error}");
 }
 
 #[test]

@@ -24,9 +24,9 @@ pub struct MissionsArgs {
 /// `pointing`.
 #[derive(Debug, Clone, Args)]
 pub struct PointingArgs {
-    /// Seconds between rows on the scan clock, such as 0.05
-    #[arg(long, value_name = "SECONDS", value_parser = step, conflicts_with = "at",
-          required_unless_present = "at")]
+    /// Seconds between rows on the scan clock, such as 0.05; needed unless --at or --format aem is
+    /// there
+    #[arg(long, value_name = "SECONDS", value_parser = step, conflicts_with = "at")]
     pub step: Option<Duration>,
     /// Elapsed seconds on the scan clock, such as 0,59.5,1234.567
     #[arg(long, value_name = "S1,S2,...", value_parser = elapsed, value_delimiter = ',')]
@@ -37,6 +37,14 @@ pub struct PointingArgs {
     /// A detector, TELESCOPE/NAME where ambiguous; without it the mission boresight
     #[arg(long, value_name = "NAME")]
     pub detector: Option<String>,
+    /// Largest error of interpolation between samples of an AEM, in seconds of arc
+    #[arg(long, value_name = "ARCSEC", default_value = "1", value_parser = arcseconds,
+          allow_hyphen_values = true, conflicts_with = "step")]
+    pub aem_error_arcsec: f64,
+    /// When an AEM says it was made: 2032-03-01T00:00:00Z; without it `SOURCE_DATE_EPOCH`, or the
+    /// mission's start
+    #[arg(long, value_name = "TIME")]
+    pub stamp: Option<String>,
 }
 
 /// `transits`.

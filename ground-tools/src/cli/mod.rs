@@ -129,6 +129,8 @@ pub enum Format {
     Parquet,
     /// A C99 header, of `vectors` alone
     C,
+    /// A CCSDS attitude ephemeris message, of `pointing` alone
+    Aem,
 }
 
 /// The mission with the overrides of the command line.

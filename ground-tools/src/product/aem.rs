@@ -1,9 +1,9 @@
 //! A CCSDS Attitude Ephemeris Message, version 2 \[CCSDS504\], in KVN or XML \[CCSDS505\].
 //!
-//! `REF_FRAME_A` is ICRF, `REF_FRAME_B` `SC_BODY_1`, the mission boresight frame. Q1 Q2 Q3 QC is the
-//! quaternion that takes components in `SC_BODY_1` to components in ICRF, as B turned by +90 deg about
-//! A's z is (0, 0, 0.7071, 0.7071). ANGVEL is `SC_BODY_1`'s angular velocity against ICRF, components
-//! in `SC_BODY_1`, deg/s. Times are UTC.
+//! `REF_FRAME_A` is ICRF, `REF_FRAME_B` `SC_BODY_1`, the mission boresight frame, or `INSTRUMENT_1`,
+//! that of one line of sight. Q1 Q2 Q3 QC is the quaternion that takes components in B to components in
+//! ICRF, as B turned by +90 deg about A's z is (0, 0, 0.7071, 0.7071). ANGVEL is B's angular velocity
+//! against ICRF, components in B, deg/s. Times are UTC.
 //!
 //! Method: one segment per span, written as its samples are made; USEABLE times are those of the
 //! sessions.
@@ -11,10 +11,8 @@
 //! Limits: quaternions have 10 decimals (2e-10 rad), rates 9 decimals of deg/s, times whole
 //! microseconds.
 
-use super::attitude::{Motion, Sample, Span, Step, lines, sampled};
-use crate::mission::Product;
+use super::attitude::{Attitudes, Sample, Span, Step, lines, sampled};
 use crate::output::WriteError;
-use crate::provenance::Provenance;
 use ephem::time::format_utc;
 use onboard_core::time::{Duration, Instant};
 use std::fmt::Write as _;
@@ -29,21 +27,47 @@ pub enum Notation {
     Xml,
 }
 
+/// `REF_FRAME_B`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum BodyFrame {
+    /// The mission boresight's frame.
+    Boresight,
+    /// The frame of this telescope or detector.
+    Instrument(String),
+}
+
+impl BodyFrame {
+    /// Its name in the registry of frames \[CCSDS504\].
+    const fn name(&self) -> &'static str {
+        match self {
+            Self::Boresight => "SC_BODY_1",
+            Self::Instrument(_) => "INSTRUMENT_1",
+        }
+    }
+
+    fn meaning(&self) -> String {
+        match self {
+            Self::Boresight => {
+                "SC_BODY_1: z the mission's line of sight, x away from the spin axis, y \
+                                along the scan"
+                    .to_owned()
+            }
+            Self::Instrument(line) => {
+                format!("INSTRUMENT_1: the frame of {line}, z its line of sight")
+            }
+        }
+    }
+}
+
 /// What the message says but for its attitudes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Message<'m> {
     /// Its notation.
     pub notation: Notation,
-    /// Originator and object.
-    pub product: &'m Product,
-    /// Where it comes from.
-    pub provenance: &'m Provenance,
-    /// `CREATION_DATE`.
-    pub stamp: Instant,
-    /// Attitudes.
-    pub motion: Motion<'m>,
-    /// How far samples are apart.
-    pub step: Step,
+    /// Whose attitude it is.
+    pub frame: BodyFrame,
+    /// What it is made from.
+    pub attitudes: Attitudes<'m>,
 }
 
 impl Message<'_> {
@@ -61,8 +85,8 @@ impl Message<'_> {
         for span in spans {
             let comments: Vec<String> = span.sessions.iter().map(|&it| named(it)).collect();
             out.write_all(self.metadata(span, &comments).as_bytes())?;
-            let instants = span.instants(self.step.step);
-            sampled(&self.motion, instants, |samples| -> Result<(), WriteError> {
+            let instants = span.instants(self.attitudes.step.step);
+            sampled(&self.attitudes.motion, instants, |samples| -> Result<(), WriteError> {
                 for piece in lines(samples, |text, sample| self.row(text, sample)) {
                     out.write_all(piece.as_bytes())?;
                 }
@@ -82,13 +106,14 @@ impl Message<'_> {
     }
 
     fn head(&self) -> String {
-        let mut comments: Vec<String> =
-            self.provenance.lines().map(|(key, value)| format!("{key}: {value}")).collect();
-        comments.push(
-            "SC_BODY_1: z the mission's line of sight, x away from the spin axis, y along the scan"
-                .to_owned(),
-        );
-        comments.push(sampling(&self.step));
+        let mut comments: Vec<String> = self
+            .attitudes
+            .provenance
+            .lines()
+            .map(|(key, value)| format!("{key}: {value}"))
+            .collect();
+        comments.push(self.frame.meaning());
+        comments.push(sampling(&self.attitudes.step));
         let mut text = self
             .text(
                 "CCSDS_AEM_VERS = 2.0\n",
@@ -99,8 +124,8 @@ impl Message<'_> {
         for comment in &comments {
             self.pair(&mut text, "COMMENT", comment, 2);
         }
-        self.pair(&mut text, "CREATION_DATE", &utc(self.stamp), 2);
-        self.pair(&mut text, "ORIGINATOR", &self.product.originator, 2);
+        self.pair(&mut text, "CREATION_DATE", &utc(self.attitudes.stamp), 2);
+        self.pair(&mut text, "ORIGINATOR", &self.attitudes.product.originator, 2);
         text.push_str(self.text("", " </header>\n <body>\n"));
         text
     }
@@ -112,17 +137,17 @@ impl Message<'_> {
         }
         let (from, until) = span.covered;
         let pairs = [
-            ("OBJECT_NAME", self.product.object_name.clone()),
-            ("OBJECT_ID", self.product.object_id.clone()),
+            ("OBJECT_NAME", self.attitudes.product.object_name.clone()),
+            ("OBJECT_ID", self.attitudes.product.object_id.clone()),
             ("REF_FRAME_A", "ICRF".to_owned()),
-            ("REF_FRAME_B", "SC_BODY_1".to_owned()),
+            ("REF_FRAME_B", self.frame.name().to_owned()),
             ("TIME_SYSTEM", "UTC".to_owned()),
             ("START_TIME", utc(span.first)),
             ("USEABLE_START_TIME", utc(from.max(span.first))),
             ("USEABLE_STOP_TIME", utc(down_to_us(until.min(span.last)))),
             ("STOP_TIME", utc(span.last)),
             ("ATTITUDE_TYPE", "QUATERNION/ANGVEL".to_owned()),
-            ("ANGVEL_FRAME", "SC_BODY_1".to_owned()),
+            ("ANGVEL_FRAME", self.frame.name().to_owned()),
         ];
         for (key, value) in &pairs {
             self.pair(&mut text, key, value, 4);

@@ -1,9 +1,9 @@
-//! Which way does the mission boresight frame point at the samples of a file, and how far apart may
-//! they be.
+//! Which way does a line of sight's frame point at the samples of a file, and how far apart may they
+//! be.
 //!
-//! Quaternions (x, y, z, w) take components in the boresight frame to components in ICRF. Body rates
-//! are the angular velocity of the boresight frame against ICRF, components in the boresight frame,
-//! rad/s.
+//! Quaternions (x, y, z, w) take components in that frame to components in ICRF. Body rates are its
+//! angular velocity against ICRF, components in the frame itself, rad/s. A plan's frame is the mission
+//! boresight's.
 //!
 //! Method: samples lie at whole multiples of the step on the onboard clock (ns of TAI), so that
 //! every product and every span shares them; a span's ends at the mission's edges are whole
@@ -17,10 +17,12 @@
 //! Limits: the attitude follows the Sun's table that goes on board (1 mas). Steps are at least 1 ms.
 
 use crate::failure::Failure;
+use crate::mission::Product;
 use crate::passes::told;
+use crate::provenance::Provenance;
 use onboard_core::attitude::attitude;
 use onboard_core::direction::MotionBounds;
-use onboard_core::frame::{Ecliptic, Icrf};
+use onboard_core::frame::{Boresight, Detector, Ecliptic, Icrf};
 use onboard_core::rotation::Rotation;
 use onboard_core::scan::ScanStrategy;
 use onboard_core::sun::{AntiSunAxes, SunModel};
@@ -44,6 +46,23 @@ pub struct Motion<'m> {
     pub scan: &'m ScanStrategy,
     /// The Sun model.
     pub sun: SunModel<'m>,
+    /// The line of sight's frame in the mission boresight's.
+    pub frame: Rotation<Detector, Boresight>,
+}
+
+/// What files of attitudes are made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Attitudes<'m> {
+    /// Originator and object.
+    pub product: &'m Product,
+    /// Where it comes from.
+    pub provenance: &'m Provenance,
+    /// When the files say they were made.
+    pub stamp: Instant,
+    /// Attitudes.
+    pub motion: Motion<'m>,
+    /// How far samples are apart.
+    pub step: Step,
 }
 
 /// An attitude and how it changes.
@@ -51,9 +70,9 @@ pub struct Motion<'m> {
 pub struct Sample {
     /// When.
     pub at: Instant,
-    /// Boresight frame to ICRF, (x, y, z, w).
+    /// The frame to ICRF, (x, y, z, w).
     pub quaternion: [f64; 4],
-    /// Angular velocity in rad/s, components in the boresight frame.
+    /// Angular velocity in rad/s, components in the frame.
     pub body_rate_rad_s: [f64; 3],
 }
 
@@ -74,7 +93,7 @@ impl Motion<'_> {
     pub fn sample(&self, at: Instant) -> Result<Sample, Failure> {
         let fault = |error| Failure::internal(told(error));
         let to_icrf = Rotation::<Icrf, Ecliptic>::by_obliquity().inverse();
-        let rotation = attitude(self.scan, &self.sun, at).map_err(fault)?;
+        let rotation = self.frame.then(attitude(self.scan, &self.sun, at).map_err(fault)?);
         let parameters = self.scan.parameters();
         let state = self.sun.state(parameters.start, at).map_err(fault)?;
         let axes = AntiSunAxes::new(&state);
@@ -83,9 +102,10 @@ impl Motion<'_> {
         let [sx, sy, sz] = turned(spin_to_anti_sun.to_xyzw(), [0.0, 0.0, 1.0]);
         let spin = parameters.spin.rate.radians_per_second();
         let precession = parameters.precession.rate.radians_per_second();
-        // omega = f + w_a z + w_b s in the anti-Sun frame, then into the body's.
+        // omega = f + w_a z + w_b s in the anti-Sun frame, then into the line of sight's.
         let omega = [fx + spin * sx, fy + spin * sy, fz + precession + spin * sz];
-        let to_body = self.scan.boresight_in_spin().then(spin_to_anti_sun).inverse();
+        let boresight = self.scan.boresight_in_spin().then(spin_to_anti_sun);
+        let to_body = self.frame.then(boresight).inverse();
         Ok(Sample {
             at,
             quaternion: rotation.then(to_icrf).to_xyzw(),
@@ -96,29 +116,60 @@ impl Motion<'_> {
     /// The largest step at which slerp errs by at most `error_rad` (below a minute of arc).
     #[must_use]
     pub fn step(&self, error_rad: f64) -> Step {
-        let parameters = self.scan.parameters();
-        let precession = parameters.precession.rate.radians_per_second().abs();
-        let spin = parameters.spin.rate.radians_per_second().abs();
-        let (frame, frame_change) = frame_bounds(&self.sun.bounds());
-        let turn = frame + precession + spin;
-        let change = frame_change
-            + frame * (precession + spin)
-            + precession * spin * parameters.alpha_rad.sin();
-        let error = |h: f64| 0.125 * h * h * change * 1.001 * (1.0 + h * turn);
-        // The error grows with h: the largest h by halving.
-        let (mut below, mut above) = (0.0, LARGEST_TURN_RAD / turn);
-        if error(above) <= error_rad {
+        // The error grows with the step: the largest by halving.
+        let (mut below, mut above) = (0.0, self.longest_step_s());
+        if self.error_rad(above) <= error_rad {
             below = above;
         } else {
             for _ in 0..60 {
                 let middle = 0.5 * (below + above);
-                if error(middle) <= error_rad { below = middle } else { above = middle }
+                if self.error_rad(middle) <= error_rad { below = middle } else { above = middle }
             }
         }
         let ns = Duration::from_seconds_floor(below).ns();
         let unit = if ns >= SECOND_NS { SECOND_NS } else { MS_NS };
         let step = Duration::from_ns((ns / unit * unit).max(MS_NS));
-        Step { step, error_rad: error(step.seconds()) }
+        Step { step, error_rad: self.error_rad(step.seconds()) }
+    }
+
+    /// A step that someone chose, with what slerp then misses.
+    ///
+    /// # Errors
+    /// What steps are legal, in words: whole milliseconds up to the longest for which the bound holds.
+    pub fn step_of(&self, step: Duration) -> Result<Step, String> {
+        let longest = self.longest_step_s();
+        if step.ns() < MS_NS || step.ns() % MS_NS != 0 || step.seconds() > longest {
+            let longest_ms = Duration::from_seconds_floor(longest).ns() / MS_NS * MS_NS;
+            return Err(format!(
+                "whole milliseconds from 0.001 to {} s are needed, so that no step turns by more than \
+                 {LARGEST_TURN_RAD} rad",
+                Duration::from_ns(longest_ms).seconds()
+            ));
+        }
+        Ok(Step { step, error_rad: self.error_rad(step.seconds()) })
+    }
+
+    /// The longest step, in seconds, for which [`Self::error_rad`] holds.
+    fn longest_step_s(&self) -> f64 {
+        LARGEST_TURN_RAD / self.bounds().0
+    }
+
+    /// Bound on what slerp over `step_s` misses, in radians.
+    fn error_rad(&self, step_s: f64) -> f64 {
+        let (turn, change) = self.bounds();
+        0.125 * step_s * step_s * change * 1.001 * (1.0 + step_s * turn)
+    }
+
+    /// Bounds on the angular velocity (rad/s) and its change (rad/s^2).
+    fn bounds(&self) -> (f64, f64) {
+        let parameters = self.scan.parameters();
+        let precession = parameters.precession.rate.radians_per_second().abs();
+        let spin = parameters.spin.rate.radians_per_second().abs();
+        let (frame, frame_change) = frame_bounds(&self.sun.bounds());
+        let change = frame_change
+            + frame * (precession + spin)
+            + precession * spin * parameters.alpha_rad.sin();
+        (frame + precession + spin, change)
     }
 }
 
@@ -311,7 +362,7 @@ mod tests {
         let tables = world.tables(&world.ground_options()).unwrap();
         let table: EphemerisTable<'_> = tables.parse().unwrap();
         let sun = world.sun(table).unwrap();
-        check(&world, &Motion { scan: &world.scan, sun });
+        check(&world, &Motion { scan: &world.scan, sun, frame: Rotation::IDENTITY });
     }
 
     #[test]

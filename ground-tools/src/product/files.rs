@@ -1,7 +1,7 @@
 //! Which files a plan's folder holds, and what fills them.
 
-use super::aem::{Message, Notation};
-use super::attitude::{Motion, Span, Step};
+use super::aem::{BodyFrame, Message, Notation};
+use super::attitude::{Attitudes, Motion, Span};
 use super::spice::Kernels;
 use super::{periods, stk};
 use crate::calendar;
@@ -11,6 +11,7 @@ use crate::output::Fill;
 use crate::timeline::Timeline;
 use crate::world::World;
 use clap::ValueEnum;
+use onboard_core::rotation::Rotation;
 use onboard_core::sun::SunModel;
 use onboard_core::time::Instant;
 
@@ -85,9 +86,8 @@ impl Products<'_> {
     /// # Errors
     /// [`Failure::Internal`] where the calendar cannot be written.
     pub fn fills<'f>(&'f self, also: &[Also]) -> Result<Vec<(&'static str, Fill<'f>)>, Failure> {
-        let motion = self.motion();
-        let step = motion.step(self.error_rad);
-        let spans = std::rc::Rc::new(self.spans(step));
+        let attitudes = self.attitudes();
+        let spans = std::rc::Rc::new(self.spans(&attitudes));
         let calendar = calendar::write(self.timeline, self.stamp)?;
         let mut fills: Vec<(&'static str, Fill<'f>)> = Vec::new();
         let all = spans.clone();
@@ -95,7 +95,7 @@ impl Products<'_> {
         fills.push((
             "attitude.aem",
             Box::new(move |out| {
-                self.message(Notation::Kvn, step).write(out, &all, &|at| self.named(at))
+                message(Notation::Kvn, attitudes).write(out, &all, &|at| self.named(at))
             }),
         ));
         for product in also {
@@ -109,7 +109,7 @@ impl Products<'_> {
                 Also::AemXml => fills.push((
                     "attitude.xml",
                     Box::new(move |out| {
-                        let message = self.message(Notation::Xml, step);
+                        let message = message(Notation::Xml, attitudes);
                         message.write(out, &spans, &|at| self.named(at))
                     }),
                 )),
@@ -117,15 +117,13 @@ impl Products<'_> {
                     "pointing-periods.csv",
                     Box::new(move |out| {
                         let mission = (self.world.start, self.world.end);
-                        periods::write(out, self.timeline, &self.motion(), mission)
+                        periods::write(out, self.timeline, &attitudes.motion, mission)
                     }),
                 )),
                 Also::Stk => {
                     fills.push((
                         "attitude.a",
-                        Box::new(move |out| {
-                            stk::write_attitude(out, &self.motion(), &step, &spans)
-                        }),
+                        Box::new(move |out| stk::write_attitude(out, &attitudes, &spans)),
                     ));
                     fills.push((
                         "sessions.int",
@@ -136,15 +134,15 @@ impl Products<'_> {
                     let (clock, frame) = (spans.clone(), spans.clone());
                     fills.push((
                         "attitude.bc",
-                        Box::new(move |out| self.kernels(step, &spans).write_attitude(out)),
+                        Box::new(move |out| self.kernels(attitudes, &spans).write_attitude(out)),
                     ));
                     fills.push((
                         "clock.tsc",
-                        Box::new(move |out| self.kernels(step, &clock).write_clock(out)),
+                        Box::new(move |out| self.kernels(attitudes, &clock).write_clock(out)),
                     ));
                     fills.push((
                         "frame.tf",
-                        Box::new(move |out| self.kernels(step, &frame).write_frame(out)),
+                        Box::new(move |out| self.kernels(attitudes, &frame).write_frame(out)),
                     ));
                 }
             }
@@ -152,12 +150,19 @@ impl Products<'_> {
         Ok(fills)
     }
 
-    fn motion(&self) -> Motion<'_> {
-        Motion { scan: &self.world.scan, sun: self.sun }
+    fn attitudes(&self) -> Attitudes<'_> {
+        let motion = Motion { scan: &self.world.scan, sun: self.sun, frame: Rotation::IDENTITY };
+        Attitudes {
+            product: &self.world.mission.product,
+            provenance: &self.timeline.provenance,
+            stamp: self.stamp,
+            motion,
+            step: motion.step(self.error_rad),
+        }
     }
 
     /// Where attitudes are written.
-    fn spans(&self, step: Step) -> Vec<Span> {
+    fn spans(&self, attitudes: &Attitudes<'_>) -> Vec<Span> {
         let mission = (self.world.start, self.world.end);
         if self.whole {
             return vec![Span::whole(mission)];
@@ -168,7 +173,7 @@ impl Products<'_> {
             .iter()
             .map(|it| (Instant::from_tai_ns(it.start_tai_ns), Instant::from_tai_ns(it.end_tai_ns)))
             .collect();
-        Span::of_sessions(&sessions, mission, step.step)
+        Span::of_sessions(&sessions, mission, attitudes.step.step)
     }
 
     fn named(&self, session: usize) -> String {
@@ -176,26 +181,11 @@ impl Products<'_> {
         format!("session {}: {} to {}", it.id, it.start_utc, it.end_utc)
     }
 
-    fn message(&self, notation: Notation, step: Step) -> Message<'_> {
-        Message {
-            notation,
-            product: &self.world.mission.product,
-            provenance: &self.timeline.provenance,
-            stamp: self.stamp,
-            motion: self.motion(),
-            step,
-        }
+    fn kernels<'k>(&self, attitudes: Attitudes<'k>, spans: &'k [Span]) -> Kernels<'k> {
+        Kernels { spacecraft: self.spacecraft, attitudes, spans }
     }
+}
 
-    fn kernels<'k>(&'k self, step: Step, spans: &'k [Span]) -> Kernels<'k> {
-        Kernels {
-            spacecraft: self.spacecraft,
-            product: &self.world.mission.product,
-            provenance: &self.timeline.provenance,
-            stamp: self.stamp,
-            motion: self.motion(),
-            step,
-            spans,
-        }
-    }
+fn message(notation: Notation, attitudes: Attitudes<'_>) -> Message<'_> {
+    Message { notation, frame: BodyFrame::Boresight, attitudes }
 }

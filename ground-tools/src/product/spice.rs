@@ -16,11 +16,9 @@
 //! Limits: instants before 2000 and from 2285 on are refused.
 
 use super::aem::sampling;
-use super::attitude::{Motion, Span, Step, sampled, turned};
+use super::attitude::{Attitudes, Span, sampled, turned};
 use crate::failure::Failure;
-use crate::mission::Product;
 use crate::output::WriteError;
-use crate::provenance::Provenance;
 use ephem::time::format_utc;
 use onboard_core::time::Instant;
 use rayon::prelude::*;
@@ -48,16 +46,8 @@ const TRANSFER_CHECK: &[u8; 28] = b"FTPSTR:\r:\n:\r\n:\r\x00:\x81:\x10\xce:ENDFT
 pub struct Kernels<'k> {
     /// The spacecraft's NAIF number, negative.
     pub spacecraft: i32,
-    /// Object.
-    pub product: &'k Product,
-    /// Where it comes from.
-    pub provenance: &'k Provenance,
-    /// When the files say they were made.
-    pub stamp: Instant,
-    /// Attitudes.
-    pub motion: Motion<'k>,
-    /// How far samples are apart.
-    pub step: Step,
+    /// What they are made from.
+    pub attitudes: Attitudes<'k>,
     /// Where there are samples.
     pub spans: &'k [Span],
 }
@@ -84,7 +74,7 @@ impl Kernels<'_> {
 
     fn object(&self) -> String {
         let legal = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
-        let name = self.product.object_name.to_uppercase().replace([' ', '-'], "_");
+        let name = self.attitudes.product.object_name.to_uppercase().replace([' ', '-'], "_");
         let name: String = name.chars().filter(|letter| legal(*letter)).take(16).collect();
         if name.is_empty() { "SPACECRAFT".to_owned() } else { name }
     }
@@ -95,7 +85,7 @@ impl Kernels<'_> {
     /// What the writer says.
     pub fn write_clock(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         let id = self.spacecraft.unsigned_abs();
-        let stamp = format_utc(self.stamp);
+        let stamp = format_utc(self.attitudes.stamp);
         let stamp = stamp.get(..19).unwrap_or("").replace('T', "/");
         write!(
             out,
@@ -139,7 +129,7 @@ impl Kernels<'_> {
     }
 
     fn layout(&self) -> Layout {
-        let samples = self.spans.iter().map(|span| span.count(self.step.step)).sum();
+        let samples = self.spans.iter().map(|span| span.count(self.attitudes.step.step)).sum();
         let intervals = self.spans.len();
         let directory = |count: usize| count.saturating_sub(1) / DIRECTORY;
         Layout {
@@ -188,8 +178,8 @@ impl Kernels<'_> {
     /// Records of comments: lines that end with a zero byte, the last of them followed by 4.
     fn comments(&self) -> Vec<u8> {
         let mut text: Vec<u8> = Vec::new();
-        let lines = self.provenance.lines().map(|(key, value)| format!("{key}: {value}"));
-        for line in lines.chain([sampling(&self.step)]) {
+        let lines = self.attitudes.provenance.lines().map(|(key, value)| format!("{key}: {value}"));
+        for line in lines.chain([sampling(&self.attitudes.step)]) {
             text.extend(line.bytes().filter(|byte| (32..127).contains(byte)));
             text.push(0);
         }
@@ -221,7 +211,7 @@ impl Kernels<'_> {
 
     fn write_packets(&self, out: &mut dyn Write) -> Result<(), WriteError> {
         for span in self.spans {
-            sampled(&self.motion, span.instants(self.step.step), |samples| {
+            sampled(&self.attitudes.motion, span.instants(self.attitudes.step.step), |samples| {
                 let bytes: Vec<[u8; 8 * PACKET]> = samples
                     .par_iter()
                     .map(|sample| {
@@ -247,7 +237,7 @@ impl Kernels<'_> {
         let mut directory = Vec::with_capacity(layout.directory);
         let mut count = 0;
         for span in self.spans {
-            for at in span.instants(self.step.step) {
+            for at in span.instants(self.attitudes.step.step) {
                 let ticks = ticks(at)?;
                 put(ticks)?;
                 count += 1;

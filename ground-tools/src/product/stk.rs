@@ -12,7 +12,7 @@
 //! follow the published format; no STK read them here.
 
 use super::aem::sampling;
-use super::attitude::{Motion, Sample, Span, Step, lines, sampled};
+use super::attitude::{Attitudes, Sample, Span, lines, sampled};
 use crate::output::WriteError;
 use crate::timeline::Timeline;
 use ephem::time::format_utc;
@@ -31,10 +31,10 @@ const MONTHS: [&str; 12] =
 /// What the writer says, or an attitude cannot be made.
 pub fn write_attitude(
     out: &mut dyn Write,
-    motion: &Motion<'_>,
-    step: &Step,
+    attitudes: &Attitudes<'_>,
     spans: &[Span],
 ) -> Result<(), WriteError> {
+    let Attitudes { motion, step, .. } = attitudes;
     let count: usize = spans.iter().map(|span| span.count(step.step)).sum();
     // The epoch is a whole second, so that seconds since it are short.
     let epoch = spans.first().map_or(motion.scan.parameters().start, |span| span.first);

@@ -1,12 +1,17 @@
-//! `gyrfalcon pointing`: attitude, direction, crossing angle and plate angle over a span.
+//! `gyrfalcon pointing`: attitude, direction, crossing angle and plate angle over a span, as rows or
+//! as an attitude ephemeris message.
 
-use super::{deliver, world};
-use crate::cli::{PointingArgs, SharedArgs};
+use super::{deliver, print_json, sink, world};
+use crate::cli::{Format, PointingArgs, SharedArgs};
 use crate::degrees;
 use crate::failure::Failure;
+use crate::output::Sink;
 use crate::passes::told;
+use crate::product::aem::{BodyFrame, Message, Notation};
+use crate::product::attitude::{Attitudes, Motion, Span};
+use crate::product::stamp::stamp;
 use crate::provenance::Provenance;
-use crate::sightline::{SightLine, select};
+use crate::sightline::{NONE, SightLine, select};
 use crate::world::World;
 use ephem::time::format_tdb;
 use onboard_core::attitude::sweep;
@@ -73,10 +78,31 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
         )));
     };
     let times = times(&world, arguments.step, &arguments.at)?;
+    let is_message = shared.format == Some(Format::Aem);
+    match (is_message, arguments.step.is_some(), arguments.at.is_empty()) {
+        (true, _, false) => {
+            return Err(Failure::Input(
+                "--at names single instants, and an AEM holds a span that can be interpolated: leave \
+                 it out, or choose csv, jsonl or parquet"
+                    .to_owned(),
+            ));
+        }
+        (false, false, true) => {
+            return Err(Failure::Input(
+                "pointing needs instants: --step SECONDS, --at S1,S2,... or --format aem"
+                    .to_owned(),
+            ));
+        }
+        _ => {}
+    }
     world.targets.clear();
     let tables = world.tables(&world.ground_options())?;
     let sun = world.sun(tables.parse()?)?;
     let provenance = Provenance::of(&world);
+    if is_message {
+        let attitudes = attitudes(&world, (sun, line), arguments, &provenance)?;
+        return deliver_message(shared, &world, line, attitudes);
+    }
     let rows = times.clone().map(|elapsed| row(&world, &sun, line, elapsed));
     deliver(shared, rows, (&provenance, &COLUMNS), || {
         Ok(Summary {
@@ -86,6 +112,56 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
             provenance: provenance.clone(),
         })
     })
+}
+
+/// What the message of a line of sight is made from.
+fn attitudes<'w>(
+    world: &'w World,
+    (sun, line): (SunModel<'w>, &SightLine),
+    arguments: &PointingArgs,
+    provenance: &'w Provenance,
+) -> Result<Attitudes<'w>, Failure> {
+    let motion = Motion { scan: &world.scan, sun, frame: line.rotation };
+    let step = match arguments.step {
+        None => motion.step((arguments.aem_error_arcsec / 3600.0).to_radians()),
+        Some(step) => motion.step_of(step).map_err(|legal| {
+            Failure::Input(format!("--step {} cannot be an AEM's: {legal}", step.seconds()))
+        })?,
+    };
+    let variable = std::env::var("SOURCE_DATE_EPOCH").ok();
+    let stamp = stamp(arguments.stamp.as_deref(), variable.as_deref(), world.start)?;
+    Ok(Attitudes { product: &world.mission.product, provenance, stamp, motion, step })
+}
+
+/// The whole span as one segment, to `--out` or standard output.
+fn deliver_message(
+    shared: &SharedArgs,
+    world: &World,
+    line: &SightLine,
+    attitudes: Attitudes<'_>,
+) -> Result<(), Failure> {
+    let span = Span::whole((world.start, world.end));
+    let frame = match (line.telescope_name.as_str(), line.detector_name.as_str()) {
+        (NONE, _) => BodyFrame::Boresight,
+        (telescope, NONE) => BodyFrame::Instrument(telescope.to_owned()),
+        _ => BodyFrame::Instrument(line.key()),
+    };
+    let rows = span.count(attitudes.step.step);
+    let sink = sink(shared);
+    if !(shared.json && sink == Sink::Stdout) {
+        let message = Message { notation: Notation::Kvn, frame, attitudes };
+        sink.write_with(|out| message.write(out, &[span], &|_| String::new()))?;
+    }
+    if shared.json {
+        print_json(&Summary {
+            rows,
+            telescope: line.telescope_name.clone(),
+            detector: line.detector_name.clone(),
+            provenance: attitudes.provenance.clone(),
+        })
+    } else {
+        Ok(())
+    }
 }
 
 /// The elapsed times asked for, within the mission.

@@ -131,7 +131,7 @@ fn deliver(
     let (first, second) = match format {
         Format::C => (c_header::text(set, provenance).into_bytes(), None),
         Format::Jsonl => (table(&[], &mut vectors.chain(transits))?, None),
-        Format::Csv | Format::Parquet => {
+        Format::Csv | Format::Parquet | Format::Aem => {
             let second = table(&TRANSIT_COLUMNS, &mut transits)?;
             (table(&VECTOR_COLUMNS, &mut vectors)?, Some(second))
         }
