@@ -222,4 +222,15 @@ pub enum Warning {
         /// Names of the first.
         first: String,
     },
+    /// A weight that nothing is seen with.
+    #[error(
+        "calibration.schedule.weights.{target} weighs nothing: {target} is not among \
+         calibration.targets, which are {targets}"
+    )]
+    WeightOfNoTarget {
+        /// The name that has the weight.
+        target: String,
+        /// The mission's targets.
+        targets: String,
+    },
 }

@@ -166,6 +166,22 @@ fn a_sky_that_is_not_full_is_a_warning() {
 }
 
 #[test]
+fn a_weight_of_no_target_is_a_warning() {
+    let warnings = |weights: &str| -> Vec<String> {
+        let weights = format!("calibration.schedule.weights={weights}");
+        let changes = ["calibration.targets=jupiter,mars", &weights];
+        set("litebird", &changes).unwrap().warnings.iter().map(ToString::to_string).collect()
+    };
+    assert_eq!(
+        warnings("{ jupiter = 3, tau_a = 2.5 }"),
+        ["calibration.schedule.weights.tau_a weighs nothing: tau_a is not among \
+          calibration.targets, which are jupiter, mars"]
+    );
+    assert_eq!(warnings("{ saturn = 1.0, mars = 0 }"), [""; 0]);
+    assert_eq!(warnings("{ saturn = { gain = 1.0 }, uranus = 0 }").len(), 1);
+}
+
+#[test]
 fn an_override_is_typed_like_the_file() {
     let hft = |changes: &[&str]| set("litebird", changes).unwrap().telescopes[2].clone();
     assert_eq!(hft(&["telescope.HFT.fwhm_arcmin=20"]).fwhm_arcmin.text(), "20");

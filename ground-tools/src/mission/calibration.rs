@@ -6,15 +6,16 @@
 //! Limits: a table of directions is named here and read where ephemerides are.
 
 use crate::document::{Node, Value};
-use crate::fault::Problem;
+use crate::fault::{Problem, Warning};
 use crate::mission::FilePath;
-use crate::mission::schedule::Schedule;
+use crate::mission::schedule::{Schedule, Weight};
 use crate::mission::telescope::duplicates;
 use crate::number::Number;
 use crate::range::Range;
 use crate::resolve::toml_string;
 use crate::rounding;
 use crate::section::Section;
+use num_traits::{One, Zero};
 use planner::strength::Flux;
 
 /// Targets that need no source: planets (from Mars on, the Earth aside, system barycentres), the
@@ -43,6 +44,20 @@ impl Calibration {
     #[must_use]
     pub fn radius_rad(&self) -> f64 {
         rounding::radians(self.radius_deg.exact())
+    }
+
+    /// Weights that were given, other than 0 and 1, to what is no target.
+    pub(crate) fn idle_weights(&self) -> Vec<Warning> {
+        let says_nothing = |it: &Weight| match it {
+            Weight::Plain(weight) => weight.exact().is_one() || weight.exact().is_zero(),
+            Weight::ByPurpose(_) => false,
+        };
+        let idle = |it: &&(String, Weight)| !self.targets.contains(&it.0) && !says_nothing(&it.1);
+        let warning = |it: &(String, Weight)| Warning::WeightOfNoTarget {
+            target: it.0.clone(),
+            targets: self.targets.join(", "),
+        };
+        self.schedule.weights.iter().filter(idle).map(warning).collect()
     }
 }
 

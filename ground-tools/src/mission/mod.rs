@@ -178,6 +178,7 @@ impl Mission {
         };
         let mut warnings = scan.warnings();
         warnings.extend(telescopes.iter().filter_map(|telescope| telescope.warning.clone()));
+        warnings.extend(calibration.idle_weights());
         Ok(Self {
             name,
             span: times,
