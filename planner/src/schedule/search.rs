@@ -8,7 +8,8 @@
 //! price where no day limit makes time short). A branch ends where one of two bounds shows that it
 //! holds nothing better: the prices (worth of the capacity, plus the reduced values taken, plus the
 //! positive ones that remain), or the best filling of the time and places left by sessions not yet
-//! looked at, overlap ignored, from a table (`fill.rs`).
+//! looked at, overlap ignored, from a table (`fill.rs`). Sets of sessions are bits, one set per depth,
+//! so that a node allocates nothing.
 //!
 //! Limits: at most [`Effort::nodes`] nodes; the bound returned then covers what was not visited.
 
@@ -88,6 +89,12 @@ struct Walk<'a> {
     fill: Fill,
     left: Vec<i64>,
     starts: Vec<i64>,
+    /// For each choice, those after it that may stand together with it.
+    together: Bits,
+    /// For each depth, the choices that may still be added.
+    open: Bits,
+    /// For each depth and each open choice there, what prices say.
+    by_price: Vec<i64>,
     /// Most counted choices that may still be added.
     places: usize,
     path: Vec<usize>,
@@ -116,6 +123,9 @@ pub(super) fn search(region: &Region<'_>, at_least: i64, effort: Effort) -> Foun
         fill: Fill::default(),
         left: region.left.clone(),
         starts: region.starts.clone(),
+        together: Bits::default(),
+        open: Bits::default(),
+        by_price: Vec::new(),
         places,
         path: Vec::new(),
         sets: Vec::new(),
@@ -123,8 +133,7 @@ pub(super) fn search(region: &Region<'_>, at_least: i64, effort: Effort) -> Foun
         unvisited: at_least,
     };
     walk.prepare();
-    let open: Vec<usize> = (0..walk.choices.len()).collect();
-    walk.visit(&open, 0, region.worth);
+    walk.visit(0, 0, region.worth);
     let best = walk.sets.first().map_or(at_least, |set| set.0);
     Found { bound: best.max(walk.unvisited), sets: walk.sets }
 }
@@ -173,6 +182,21 @@ impl Walk<'_> {
         });
         let pieces: Vec<Piece> = choices.iter().map(Choice::piece).collect();
         self.fill = Fill::new(&pieces, time_left, self.places);
+        let model = self.region.model;
+        self.together = Bits::sets_of(choices.len());
+        for (index, choice) in choices.iter().enumerate() {
+            let row = self.together.push();
+            for (later, other) in choices.iter().enumerate().skip(index + 1) {
+                if !model.clash(&other.session, &choice.session) {
+                    self.together.insert(row, later);
+                }
+            }
+        }
+        self.open = Bits::sets_of(choices.len());
+        let all = self.open.push();
+        for index in 0..choices.len() {
+            self.open.insert(all, index);
+        }
         self.choices = choices;
     }
 
@@ -184,20 +208,31 @@ impl Walk<'_> {
 
     /// Whether a choice's time and start still fit what is left.
     fn fits(&self, choice: &Choice) -> bool {
-        self.parts[choice.parts.0..choice.parts.1].iter().all(|&(cell, ns)| ns <= self.left[cell])
+        self.has_time(choice)
             && self.region.model.count.is_none_or(|(count, window)| {
                 start_fits(&self.starts, choice.session.start, count, window)
             })
     }
 
-    /// Visits all sets that extend the path by choices of `open`.
-    fn visit(&mut self, open: &[usize], value: i64, priced: i64) {
-        let by_price = self.by_price(open);
+    fn has_time(&self, choice: &Choice) -> bool {
+        self.parts[choice.parts.0..choice.parts.1].iter().all(|&(cell, ns)| ns <= self.left[cell])
+    }
+
+    /// Visits all sets that extend the path by choices that are open at `depth`.
+    fn visit(&mut self, depth: usize, value: i64, priced: i64) {
         let time_left = self.time_left();
-        for (place, &index) in open.iter().enumerate() {
+        let mut next = self.open.first_from(depth, 0);
+        let most = next.map_or(0, |first| self.fill.most(first, time_left, self.places));
+        if value.saturating_add(most) <= self.threshold {
+            return;
+        }
+        self.price(depth);
+        while let Some(index) = next {
+            next = self.open.first_from(depth, index + 1);
             let choice = self.choices[index];
             let filled = self.fill.most(index, time_left, self.places);
-            let bound = value.saturating_add(filled).min(priced.saturating_add(by_price[place]));
+            let by_price = self.by_price[depth * self.choices.len() + index];
+            let bound = value.saturating_add(filled).min(priced.saturating_add(by_price));
             if bound <= self.threshold {
                 // Both bounds fall from place to place, so no later one is better.
                 return;
@@ -211,10 +246,10 @@ impl Walk<'_> {
             self.path.push(choice.item.id);
             self.note(value);
             self.take(&choice, true);
-            let next = self.fill.most(index + 1, self.time_left(), self.places);
-            if value.saturating_add(next) > self.threshold {
-                let rest = self.compatible(&open[place + 1..], &choice.session);
-                self.visit(&rest, value, priced + choice.item.reduced);
+            let most = self.fill.most(index + 1, self.time_left(), self.places);
+            if value.saturating_add(most) > self.threshold {
+                self.open_after(depth, index);
+                self.visit(depth + 1, value, priced + choice.item.reduced);
             }
             self.take(&choice, false);
             self.path.pop();
@@ -234,28 +269,41 @@ impl Walk<'_> {
         }
     }
 
-    /// The choices of `open` that may still be added after `taken`.
-    fn compatible(&self, open: &[usize], taken: &Session) -> Vec<usize> {
-        open.iter()
-            .copied()
-            .filter(|&index| {
-                let choice = &self.choices[index];
-                !self.region.model.clash(&choice.session, taken) && self.fits(choice)
-            })
-            .collect()
+    /// Opens at the next depth what is open at `depth` and may be added after `taken`, which has just
+    /// been put in: what was open fits but for what that changed.
+    fn open_after(&mut self, depth: usize, taken: usize) {
+        let rest = self.open.meet(depth, (&self.together, taken));
+        let (low, high) = match self.region.model.count {
+            None => (0, 0),
+            Some(limit) => crowded(&self.starts, self.choices[taken].session.start, limit),
+        };
+        let mut next = self.open.first_from(rest, 0);
+        while let Some(index) = next {
+            let choice = &self.choices[index];
+            let start = choice.session.start;
+            if (low < start && start < high) || !self.has_time(choice) {
+                self.open.remove(rest, index);
+            }
+            next = self.open.first_from(rest, index + 1);
+        }
     }
 
-    /// For each place, the most by price that choices from there on can add, at least one taken.
-    fn by_price(&self, open: &[usize]) -> Vec<i64> {
-        let mut most = vec![0; open.len()];
+    /// For each choice open at `depth`, the most by price that choices from there on can add, at least
+    /// one taken.
+    fn price(&mut self, depth: usize) {
+        let count = self.choices.len();
+        if self.by_price.len() < (depth + 1) * count {
+            self.by_price.resize((depth + 1) * count, 0);
+        }
         let (mut positive, mut dearest) = (0_i64, i64::MIN);
-        for (place, &index) in open.iter().enumerate().rev() {
+        let mut place = self.open.last_before(depth, count);
+        while let Some(index) = place {
             let reduced = self.choices[index].item.reduced;
             positive = positive.saturating_add(reduced.max(0));
             dearest = dearest.max(reduced);
-            most[place] = if dearest < 0 { dearest } else { positive };
+            self.by_price[depth * count + index] = if dearest < 0 { dearest } else { positive };
+            place = self.open.last_before(depth, index);
         }
-        most
     }
 
     /// Puts a choice in, or takes it out again.
@@ -275,6 +323,75 @@ impl Walk<'_> {
         if choice.kind == Kind::Counted {
             self.places = if put_in { self.places - 1 } else { self.places + 1 };
         }
+    }
+}
+
+/// Sets of numbers below a limit, each a row of words.
+#[derive(Debug, Default)]
+struct Bits {
+    /// Words of a row.
+    width: usize,
+    words: Vec<u64>,
+}
+
+impl Bits {
+    /// No set yet of numbers below `limit`.
+    fn sets_of(limit: usize) -> Self {
+        Self { width: limit.div_ceil(64).max(1), words: Vec::new() }
+    }
+
+    /// Adds an empty set; its row.
+    fn push(&mut self) -> usize {
+        let row = self.words.len() / self.width;
+        self.words.resize(self.words.len() + self.width, 0);
+        row
+    }
+
+    fn insert(&mut self, row: usize, number: usize) {
+        self.words[row * self.width + number / 64] |= 1 << (number % 64);
+    }
+
+    fn remove(&mut self, row: usize, number: usize) {
+        self.words[row * self.width + number / 64] &= !(1 << (number % 64));
+    }
+
+    /// Writes what a row has in common with a row of others into the row after it, which it returns.
+    fn meet(&mut self, row: usize, (others, other): (&Self, usize)) -> usize {
+        let from = (row + 1) * self.width;
+        if self.words.len() < from + self.width {
+            self.words.resize(from + self.width, 0);
+        }
+        let (before, after) = self.words.split_at_mut(from);
+        let mine = &before[row * self.width..];
+        let theirs = &others.words[other * others.width..][..others.width];
+        for ((into, a), b) in after.iter_mut().zip(mine).zip(theirs) {
+            *into = a & b;
+        }
+        row + 1
+    }
+
+    /// The least number of a row that is at least `least`.
+    fn first_from(&self, row: usize, least: usize) -> Option<usize> {
+        let words = &self.words[row * self.width..][..self.width];
+        let mut at = least / 64;
+        let mut word = words.get(at)? & (u64::MAX << (least % 64));
+        while word == 0 {
+            at += 1;
+            word = *words.get(at)?;
+        }
+        Some(64 * at + word.trailing_zeros() as usize)
+    }
+
+    /// The largest number of a row below `end`.
+    fn last_before(&self, row: usize, end: usize) -> Option<usize> {
+        let words = &self.words[row * self.width..][..self.width];
+        let mut at = end / 64;
+        let mut word = words.get(at).map_or(0, |it| it & !(u64::MAX << (end % 64)));
+        while word == 0 {
+            at = at.checked_sub(1)?;
+            word = words[at];
+        }
+        Some(64 * at + 63 - word.leading_zeros() as usize)
     }
 }
 
@@ -304,6 +421,21 @@ pub(super) fn start_fits(starts: &[i64], start: i64, count: usize, window: i64) 
     })
 }
 
+/// Where, ends excluded, no start fits any more because of `start`, which stands among `starts`
+/// (ascending); nowhere is an empty interval.
+fn crowded(starts: &[i64], start: i64, (count, window): (usize, i64)) -> (i64, i64) {
+    let place = starts.partition_point(|&other| other < start);
+    let first = (place + 1).saturating_sub(count);
+    let last = (place + count).min(starts.len());
+    // A run of `count` starts shorter than the window lets nothing in within a window of both its ends;
+    // those that hold `start` exclude intervals about it.
+    let runs = starts[first..last].windows(count.max(1)).map(|run| (run[0], run[run.len() - 1]));
+    let full = runs.filter(|(from, until)| until.saturating_sub(*from) < window);
+    full.fold((start, start), |(low, high), (from, until)| {
+        (low.min(until.saturating_sub(window)), high.max(from.saturating_add(window)))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -327,8 +459,14 @@ mod tests {
                 });
                 assert_eq!(start_fits(&starts, start, count, window), legal);
                 if legal {
+                    let fits = |starts: &[i64], at| start_fits(starts, at, count, window);
+                    let before: Vec<i64> = (-30..70).filter(|&at| fits(&starts, at)).collect();
                     starts.push(start);
                     starts.sort_unstable();
+                    let (low, high) = crowded(&starts, start, (count, window));
+                    for at in before {
+                        assert_eq!(fits(&starts, at), !(low < at && at < high));
+                    }
                 }
             }
         }
