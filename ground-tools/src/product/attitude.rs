@@ -31,8 +31,8 @@ use rayon::prelude::*;
 
 /// Samples that are made together.
 const CHUNK: usize = 1 << 15;
-/// Samples that one thread makes.
-const PIECE: usize = 1 << 11;
+/// Samples that one thread makes at a time; a session has some thousand.
+const PIECE: usize = 1 << 8;
 /// Largest turn between two samples, in radians.
 const LARGEST_TURN_RAD: f64 = 0.25;
 const US_NS: i64 = 1000;

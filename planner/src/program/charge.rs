@@ -58,8 +58,12 @@ pub(crate) fn grow(
 ) -> (Option<Relaxed>, Vec<usize>) {
     let mut of = Vec::new();
     let mut last: Option<(Relaxed, i128)> = None;
+    let nothing = vec![0.0; program.values.len()];
     for round in 0..=rounds {
-        let Some(relaxed) = relax(program) else { break };
+        let Some(relaxed) = relax(program, last.as_ref().map_or(&nothing, |it| &it.0.shares))
+        else {
+            break;
+        };
         let bound = bound::priced(program, &relaxed.prices).bound;
         let gained = last.as_ref().map_or(i128::MAX, |it| it.1 - bound);
         let rows: Vec<Vec<Row>> =

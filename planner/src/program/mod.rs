@@ -311,9 +311,10 @@ impl Program {
 }
 
 /// The relaxation of a programme, to be handed on to [`solve_from`]; `None` where there is none.
-pub(crate) fn relax(program: &Program) -> Option<Relaxed> {
+/// Shares known from elsewhere say which choices matter.
+pub(crate) fn relax(program: &Program, known: &[f64]) -> Option<Relaxed> {
     program.validate().ok()?;
-    relaxation::solve(program, &vec![0.0; program.values.len()])
+    relaxation::solve(program, known)
 }
 
 /// The relaxation's worth in units and the share of each choice, after some rounds of the families'

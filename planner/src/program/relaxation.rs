@@ -18,13 +18,16 @@ use crate::conic::{Cone, Conic, Solution};
 /// Largest raise of a value, as a share of it.
 const TIE: f64 = 1e-7;
 /// Up to so many choices the solver sees all.
-const ALL_AT_ONCE: usize = 15_000;
+const ALL_AT_ONCE: usize = 40_000;
 /// Of each so many neighbours the solver sees the best few at first.
 const FIRST: (usize, usize) = (48, 12);
 /// Most rounds of adding choices.
 const ROUNDS: usize = 6;
 /// Choices left out may raise the bound by this share.
 const LEFT_OUT: f64 = 5e-3;
+/// Tolerances: up to so many columns, up to so many, and above.
+const TOLERANCES: [(usize, f64); 2] = [(3_000, 1e-8), (15_000, 1e-6)];
+const LOOSE: f64 = 1e-5;
 /// Most iterations of the solver.
 const ITERATIONS: u32 = 200;
 
@@ -209,7 +212,7 @@ fn solve_over(program: &Program, inside: &[bool]) -> Option<Relaxed> {
         }
     }
     let Matrix { columns, right: limits } = matrix;
-    let tolerance = if width > 3_000 { 1e-6 } else { 1e-8 };
+    let tolerance = TOLERANCES.iter().find(|it| width <= it.0).map_or(LOOSE, |it| it.1);
     let conic = Conic { columns, costs, limits, cones, tolerance, iterations: ITERATIONS };
     let Solution { primal, dual } = conic.solve()?;
     let rows = row_of.iter().map(|it| it.map_or(0.0, |(row, size)| dual[row] * unit / size));

@@ -17,7 +17,7 @@ use crate::program::number::i64_from_f64;
 use rayon::prelude::*;
 
 /// Most states kept in assembling, and of them with the same sessions reaching on.
-const STATES: (usize, usize) = (64, 4);
+const STATES: (usize, usize) = (192, 8);
 /// The same in splicing, where a state has few ways on.
 const MIXED: (usize, usize) = (1_024, 64);
 /// Work of one search, and sets taken from it.

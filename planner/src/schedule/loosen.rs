@@ -4,7 +4,7 @@
 //! that people think in ([`Give`]). The differences of objective and of each target's time in view
 //! are what the step brings while sessions may be taken in parts. Unlike a shadow price this holds
 //! for the whole step, and says which target gains. Of more than [`MOST`] opportunities only those in
-//! stretches spread evenly over the mission are looked at, half of its time, each stretch at
+//! stretches spread evenly over the mission are looked at, a third of its time, each stretch at
 //! least twice as long as any window of the rules.
 //!
 //! Limits: an estimate, not a bound: sessions are not taken in parts. Rules that forbid (blackouts,
@@ -26,7 +26,7 @@ const ROUNDS: usize = 3;
 const MOST: usize = 15_000;
 /// Of more, those in stretches of at least so many days that take this part of the mission.
 const STRETCH_DAYS: i64 = 14;
-const PART: i64 = 2;
+const PART: i64 = 3;
 /// A target's time in view below this, in s, has no shares.
 const LEAST_S: f64 = 1.0;
 const DAY_NS: i64 = 86_400_000_000_000;

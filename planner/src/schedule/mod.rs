@@ -59,8 +59,8 @@ pub const MAX_CANDIDATES: usize = 1 << 21;
 
 /// A schedule within one part in this many of the bound is good enough.
 const CLOSE: i128 = 100_000;
-/// Most passes of exchanges over the schedule that was rounded, assembled, and mixed of both.
-const PASSES: (usize, usize, usize) = (1, 2, 6);
+/// Most passes of exchanges over a schedule that was assembled, and over the mixture of all.
+const PASSES: (usize, usize) = (1, 6);
 
 /// One opportunity, as far as scheduling is concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -383,17 +383,14 @@ pub fn schedule_until(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sch
 fn best<'a>(model: &'a Model, relaxed: &Relaxed, stop: Stop<'_>) -> (Draft<'a>, i128, Stopped) {
     let prices = &relaxed.prices;
     let mut bound = bound::priced(model, prices);
-    let mut rounded = improve::round(model, relaxed);
+    let rounded = improve::round(model, relaxed);
     if let Some(stopped) = close(&rounded, bound) {
         return (rounded, bound, stopped);
     }
     let reduced = Priced::new(model, prices);
     let scale = relaxed.typical_value(model);
     let enough = i128::from(rounded.value());
-    let (sharpened, _) = rayon::join(
-        || split::sharpen(model, prices, (scale, enough), stop),
-        || improve::improve(&mut rounded, model, &reduced, (PASSES.0, stop)),
-    );
+    let sharpened = split::sharpen(model, prices, (scale, enough), stop);
     bound = bound.min(sharpened.bound);
     if let Some(stopped) = close(&rounded, bound) {
         return (rounded, bound, stopped);
@@ -406,14 +403,14 @@ fn best<'a>(model: &'a Model, relaxed: &Relaxed, stop: Stop<'_>) -> (Draft<'a>, 
         .par_iter()
         .map(|split| {
             let mut draft = assemble::assemble(split, &sharpened.patterns, scale);
-            improve::improve(&mut draft, model, &reduced, (PASSES.1, stop));
+            improve::improve(&mut draft, model, &reduced, (PASSES.0, stop));
             draft
         })
         .collect();
     drafts.push(rounded);
     let settled = sharpened.splits.last().is_some_and(|split| {
         let mut mixed = assemble::splice(split, &drafts);
-        let settled = improve::improve(&mut mixed, model, &reduced, (PASSES.2, stop));
+        let settled = improve::improve(&mut mixed, model, &reduced, (PASSES.1, stop));
         drafts.insert(0, mixed);
         settled
     });
@@ -427,6 +424,22 @@ fn best<'a>(model: &'a Model, relaxed: &Relaxed, stop: Stop<'_>) -> (Draft<'a>, 
     };
     let stopped = close(&draft, bound).unwrap_or(stopped);
     (draft, bound, stopped)
+}
+
+/// A better schedule by exchanges within a few days; `None` where there is none.
+fn improved(
+    model: &Model,
+    relaxed: &Relaxed,
+    taken: &[usize],
+    stop: Stop<'_>,
+) -> Option<Vec<usize>> {
+    let mut draft = Draft::new(model);
+    for &id in taken {
+        draft.add(id);
+    }
+    let before = draft.value();
+    improve::improve(&mut draft, model, &Priced::new(model, &relaxed.prices), (PASSES.1, stop));
+    (draft.value() > before).then(|| draft.chosen().collect())
 }
 
 /// Whether the caller asks to stop.

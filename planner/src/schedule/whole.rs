@@ -4,8 +4,10 @@
 //! Method: over many sessions the day by day search (`split.rs`) gives a schedule under the first
 //! rules and a bound; leaving rules out and charges away only raises a bound, so it holds under all
 //! rules. The integer programme (`crate::program`) starts from that schedule, knows every rule, and
-//! gives a second bound; the lower of the two counts. Demands that cannot be met are explained by
-//! `conflict.rs`.
+//! gives a second bound; the lower of the two counts. Without demands both see the same rules, and
+//! what the programme found is improved day by day and by the programme once more: they exchange
+//! different sets, so each gets the other out of its local optimum. Demands that cannot be met are
+//! explained by `conflict.rs`.
 //!
 //! Limits: as both methods; the logarithmic objective has the programme alone.
 
@@ -16,7 +18,7 @@ use super::families::DIRECTION;
 use super::model::Model;
 use super::relaxation::{self, Relaxed};
 use super::rows::{Built, Facts, build, cone_members};
-use super::{Problem, Schedule, ScheduleError, Stopped, best, check};
+use super::{Problem, Schedule, ScheduleError, Stopped, asked, best, check, improved};
 use crate::program::number::{f64_from_i128, f64_from_usize};
 use crate::program::{
     Aids, Charged, Ended, Family, LARGEST_VALUE, Limits, Outcome, charged, grow, relax, solve_from,
@@ -31,7 +33,7 @@ const BESIDE: Limits =
     Limits { nodes: 20_000, work: 8_000_000_000, cut_rounds: 4, passes: 1, exchange_nodes: 60 };
 /// The same above so many sessions, where it hardly does more than exchange.
 const MANY: usize = 6_000;
-const FEWER: Limits = Limits { cut_rounds: 0, exchange_nodes: 30, ..BESIDE };
+const FEWER: Limits = Limits { cut_rounds: 0, exchange_nodes: 20, ..BESIDE };
 /// Demands join the days, so that only the programme knows what they cost: up to so many sessions it
 /// does more.
 const STILL_TOGETHER: usize = 15_000;
@@ -68,7 +70,7 @@ pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sc
                     let charged = ready.as_ref().map(|ready| charged(program, ready, further));
                     (charged.and_then(|it| Days::charged(&model, &it, stop)), (ready, grown))
                 } else if model.sessions.len() > MANY {
-                    (None, (relax(program), Vec::new()))
+                    (None, (relax(program, &relaxed.shares), Vec::new()))
                 } else {
                     (None, (None, Vec::new()))
                 }
@@ -101,12 +103,24 @@ pub(super) fn schedule(problem: &Problem, stop: Stop<'_>) -> Result<Schedule, Sc
     // The day by day search's bound, in the programme's units.
     let plain = days.as_ref().and_then(|it| it.units).map(|bound| bound + built.offset);
     let known = plain.into_iter().chain(charged.as_ref().map(|it| it.1)).min();
-    let attempt = |start: &[usize]| {
+    let attempt = |start: &[usize], limits: &Limits| {
         let aids = Aids { families: &families, start, stop, bound: known };
-        solve_from(&built.program, &limits, &aids, ready.clone())
+        solve_from(&built.program, limits, &aids, ready.clone())
     };
     let lacking = demands.fixed.iter().any(|it| !id_of.contains_key(it));
-    let mut found = if lacking { None } else { attempt(&start).ok() };
+    let mut found = if lacking { None } else { attempt(&start, &limits).ok() };
+    if let Some(found) = found.as_mut().filter(|it| !alone && it.ended == Ended::Work) {
+        let taken = found.taken.as_ref();
+        let better = taken.and_then(|taken| improved(&model, &relaxed, taken, stop));
+        if let Some(again) = better.and_then(|start| attempt(&start, &FEWER).ok())
+            && again.value > found.value
+        {
+            (found.taken, found.value) = (again.taken, again.value);
+        }
+        if asked(stop) {
+            found.ended = Ended::Stopped;
+        }
+    }
     let meets = |found: &Option<Outcome>| -> bool {
         let taken = found.as_ref().and_then(|it| it.taken.as_ref());
         taken.is_some_and(|taken| check(problem, &candidates(&model, taken)).is_ok())
