@@ -27,9 +27,9 @@ use std::cmp::Reverse;
 /// Most rounds.
 const ROUNDS: usize = 600;
 /// Cells times rounds are at most this, so that long missions take seconds.
-const SEARCHES: usize = 320_000;
+const SEARCHES: usize = 280_000;
 /// Splits kept from rounds so far apart, back from the last, and their number.
-const KEPT: (usize, usize) = (15, 4);
+const KEPT: (usize, usize) = (15, 3);
 /// Rounds that even the longest mission gets.
 const FEWEST_ROUNDS: usize = 4;
 /// Most nodes of one cell's search.

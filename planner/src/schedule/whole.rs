@@ -33,7 +33,7 @@ const BESIDE: Limits =
     Limits { nodes: 20_000, work: 8_000_000_000, cut_rounds: 4, passes: 1, exchange_nodes: 60 };
 /// The same above so many sessions, where it hardly does more than exchange.
 const MANY: usize = 6_000;
-const FEWER: Limits = Limits { cut_rounds: 0, exchange_nodes: 20, ..BESIDE };
+const FEWER: Limits = Limits { cut_rounds: 0, exchange_nodes: 12, ..BESIDE };
 /// Demands join the days, so that only the programme knows what they cost: up to so many sessions it
 /// does more.
 const STILL_TOGETHER: usize = 15_000;
