@@ -147,41 +147,6 @@ fn a_mission_file_has_every_key() {
 }
 
 #[test]
-fn a_sky_that_is_not_full_is_a_warning() {
-    let warnings = |changes: &[&str]| -> Vec<String> {
-        set("litebird", changes).unwrap().warnings.iter().map(ToString::to_string).collect()
-    };
-    assert_eq!(
-        warnings(&["scan.alpha_deg=30.5"]),
-        ["no full sky: scan.alpha_deg + scan.beta_deg - 90 = -9.5 does not exceed \
-          scan.full_sky_margin_deg = 0.0"]
-    );
-    assert_eq!(warnings(&["scan.full_sky_margin_deg=4.999"]), [""; 0]);
-    assert_eq!(warnings(&["scan.full_sky_margin_deg=5"]).len(), 1);
-    assert_eq!(warnings(&["scan.alpha_deg=0", "scan.beta_deg=90"]).len(), 1);
-    assert_eq!(
-        warnings(&["scan.alpha_deg=0", "scan.beta_deg=120.5"]),
-        ["no full sky: scan.alpha_deg and scan.beta_deg differ by 120.5, more than 90 deg"]
-    );
-}
-
-#[test]
-fn a_weight_of_no_target_is_a_warning() {
-    let warnings = |weights: &str| -> Vec<String> {
-        let weights = format!("calibration.schedule.weights={weights}");
-        let changes = ["calibration.targets=jupiter,mars", &weights];
-        set("litebird", &changes).unwrap().warnings.iter().map(ToString::to_string).collect()
-    };
-    assert_eq!(
-        warnings("{ jupiter = 3, tau_a = 2.5 }"),
-        ["calibration.schedule.weights.tau_a weighs nothing: tau_a is not among \
-          calibration.targets, which are jupiter, mars"]
-    );
-    assert_eq!(warnings("{ saturn = 1.0, mars = 0 }"), [""; 0]);
-    assert_eq!(warnings("{ saturn = { gain = 1.0 }, uranus = 0 }").len(), 1);
-}
-
-#[test]
 fn an_override_is_typed_like_the_file() {
     let hft = |changes: &[&str]| set("litebird", changes).unwrap().telescopes[2].clone();
     assert_eq!(hft(&["telescope.HFT.fwhm_arcmin=20"]).fwhm_arcmin.text(), "20");

@@ -270,6 +270,7 @@ fn a_line_of_sight_has_an_aem_of_its_own() {
         (&["--format", "aem", "--step", "4000"], "more than 0.25 rad"),
         (&["--format", "aem", "--stamp", "today"], "--stamp"),
         (&[], "pointing needs instants"),
+        (&["--at", "0", "--aem-error-arcsec", "2"], "--format aem is needed"),
     ] {
         let output = gyrfalcon(&[&["pointing"], arguments, &MISSION].concat());
         let error = String::from_utf8(output.stderr).unwrap();

@@ -37,10 +37,10 @@ pub struct PointingArgs {
     /// A detector, TELESCOPE/NAME where ambiguous; without it the mission boresight
     #[arg(long, value_name = "NAME")]
     pub detector: Option<String>,
-    /// Largest error of interpolation between samples of an AEM, in seconds of arc
-    #[arg(long, value_name = "ARCSEC", default_value = "1", value_parser = arcseconds,
-          allow_hyphen_values = true, conflicts_with = "step")]
-    pub aem_error_arcsec: f64,
+    /// Largest error of interpolation between samples of an AEM, in seconds of arc; 1 without it
+    #[arg(long, value_name = "ARCSEC", value_parser = arcseconds, allow_hyphen_values = true,
+          conflicts_with = "step")]
+    pub aem_error_arcsec: Option<f64>,
     /// When an AEM says it was made: 2032-03-01T00:00:00Z; without it `SOURCE_DATE_EPOCH`, or the
     /// mission's start
     #[arg(long, value_name = "TIME")]

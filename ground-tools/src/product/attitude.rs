@@ -14,7 +14,8 @@
 //! a minute of arc. W comes from `w' = f' + f x (w_a n + w_b s) + w_a w_b n x s`, f the anti-Sun
 //! frame's rate, n the anti-Sun axis, s the spin axis.
 //!
-//! Limits: the attitude follows the Sun's table that goes on board (1 mas). Steps are at least 1 ms.
+//! Limits: the attitude follows the Sun model given: for a plan the table that goes on board (1 mas),
+//! for `pointing` the ephemeris. Steps are at least 1 ms.
 
 use crate::failure::Failure;
 use crate::mission::Product;

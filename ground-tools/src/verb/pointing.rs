@@ -93,6 +93,11 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
                     .to_owned(),
             ));
         }
+        (false, ..) if arguments.aem_error_arcsec.is_some() || arguments.stamp.is_some() => {
+            return Err(Failure::Input(
+                "--aem-error-arcsec and --stamp are of an AEM: --format aem is needed".to_owned(),
+            ));
+        }
         _ => {}
     }
     world.targets.clear();
@@ -123,7 +128,7 @@ fn attitudes<'w>(
 ) -> Result<Attitudes<'w>, Failure> {
     let motion = Motion { scan: &world.scan, sun, frame: line.rotation };
     let step = match arguments.step {
-        None => motion.step((arguments.aem_error_arcsec / 3600.0).to_radians()),
+        None => motion.step((arguments.aem_error_arcsec.unwrap_or(1.0) / 3600.0).to_radians()),
         Some(step) => motion.step_of(step).map_err(|legal| {
             Failure::Input(format!("--step {} cannot be an AEM's: {legal}", step.seconds()))
         })?,

@@ -25,7 +25,7 @@ const FIRST: (usize, usize) = (48, 12);
 const ROUNDS: usize = 6;
 /// Choices left out may raise the bound by this share.
 const LEFT_OUT: f64 = 5e-3;
-/// Tolerances: up to so many columns, up to so many, and above.
+/// Tolerance up to so many columns, and above the last.
 const TOLERANCES: [(usize, f64); 2] = [(3_000, 1e-8), (15_000, 1e-6)];
 const LOOSE: f64 = 1e-5;
 /// Most iterations of the solver.

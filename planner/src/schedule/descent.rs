@@ -7,7 +7,7 @@
 //! all windows: from the best point along a running mean of the subgradients, as far as a share of
 //! the bound over the mean's square.
 //!
-//! Limits: neither reaches the least bound; LiteBIRD's three years end some 0.001 % above what four
+//! Limits: neither reaches the least bound; LiteBIRD's three years end some 0.003 % above what four
 //! times the rounds give.
 
 use super::price::Ladder;

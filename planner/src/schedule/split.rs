@@ -12,8 +12,8 @@
 //! Only cells whose amounts changed are searched again. Amounts are integers, so rounding does not
 //! enter.
 //!
-//! Limits: [`ROUNDS`] rounds, fewer for more than three years of days; a cell's search is cut at
-//! [`NODES`] nodes and then bounded by what it did not visit.
+//! Limits: [`ROUNDS`] rounds, fewer for more than [`SEARCHES`] / [`ROUNDS`] days; a cell's search
+//! is cut at [`NODES`] nodes and then bounded by what it did not visit.
 
 use super::bound::{cell_worth, windows_worth};
 use super::descent::Descent;
