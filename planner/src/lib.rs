@@ -4,6 +4,7 @@
 //! Modules stand in the order that data flows. All angles are radians, rates radians per second or
 //! hertz, times nanoseconds of TAI; degrees, minutes and rpm belong to files and reports.
 
+pub mod progress;
 pub mod constraints;
 pub mod healpix;
 pub mod opportunity;

@@ -1,0 +1,27 @@
+//! How a long computation says how far it has come, and learns that it should end early.
+//!
+//! One trait for surveys, map-making, plans and whatever else takes seconds. Units are those of the
+//! computation: samples of a survey, days of a schedule. Who neither shows nor stops anything passes
+//! [`Quietly`].
+//!
+//! Limits: [`Progress::stopped`] is asked between pieces of work of at most about a tenth of a second.
+
+/// Who watches a computation; called from all its threads.
+pub trait Progress: Sync {
+    /// A step of `units` of work begins; its name fits a line.
+    fn begin(&self, _step: &str, _units: u64) {}
+
+    /// So many more units are done.
+    fn advance(&self, _units: u64) {}
+
+    /// Whether the computation should end with what it has.
+    fn stopped(&self) -> bool {
+        false
+    }
+}
+
+/// Nobody watches.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Quietly;
+
+impl Progress for Quietly {}
