@@ -3,10 +3,10 @@
 //! Transits are searched on one thread, tables fitted beforehand; `plan` is the whole process.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use ground_tools::mission::{Mission, Override};
-use ground_tools::passes::search;
-use ground_tools::sightline::select;
-use ground_tools::world::World;
+use mission::{Mission, Override};
+use planner::opportunities::search;
+use planner::opportunities::select;
+use planner::world::World;
 use std::hint::black_box;
 use std::process::{Command, Stdio};
 

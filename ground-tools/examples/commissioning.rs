@@ -10,8 +10,8 @@
 //! is weak and the search ends early (`docs/scheduling.md`).
 
 use clap::Parser;
+use formats::timeline::Timeline;
 use ground_tools::cli::Cli;
-use ground_tools::timeline::Timeline;
 use ground_tools::verb;
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -5,14 +5,14 @@
 //! The ground fits the table of the Sun and Jupiter; what follows uses only `onboard-core`: a channel
 //! in fixed memory, one bounded step at a time, a state that can be saved and resumed.
 
-use ground_tools::mission::{Mission, Override};
-use ground_tools::world::World;
+use mission::{Mission, Override};
 use onboard_core::ephemeris::{EphemerisTable, SUN};
 use onboard_core::field_of_view::FieldOfView;
 use onboard_core::frame::Boresight;
 use onboard_core::rotation::Rotation;
 use onboard_core::sun::SunModel;
 use onboard_core::transit::{Channel, Step, TransitFinder};
+use planner::world::World;
 use std::error::Error;
 
 /// NAIF's number of Jupiter's barycentre.

@@ -1,9 +1,24 @@
 //! How a command ends when it does not end well.
 //!
 //! Exit codes: 1 a check failed, 2 bad input, 3 an internal error. The message is a sentence: what,
-//! where, which value, what would be legal.
+//! where, which value, what would be legal. The libraries below return enums with values; here they
+//! become sentences with the names of options, and get their exit codes.
 
-use crate::fault::MissionError;
+use formats::WriteError;
+use formats::attitude::SpiceError;
+use formats::fits::FitsFileError;
+use formats::timeline::TimelineError;
+use formats::uplink::TooLarge;
+use formats::vectors::VectorsError;
+use mission::fault::MissionError;
+use mission::nearest_first;
+use mission::occasions::OccasionError;
+use planner::opportunities::{OffersError, SightError};
+use planner::plan::{Asked, DemandError, PlanError, RevisionError};
+use planner::resonance::check::CheckError;
+use planner::survey::input::SurveyInputError;
+use planner::world::{TableFault, WorldError};
+use planner::worth::WorthError;
 use std::fmt::Display;
 use std::path::Path;
 use thiserror::Error;
@@ -50,8 +65,171 @@ impl Failure {
     }
 }
 
-impl From<MissionError> for Failure {
-    fn from(error: MissionError) -> Self {
-        Self::input(error)
+/// Errors whose own words are what a person needs to know of bad input.
+macro_rules! input {
+    ($($error:ty),* $(,)?) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::input(error)
+            }
+        })*
+    };
+}
+
+input!(MissionError, OccasionError, FitsFileError, TimelineError, TooLarge);
+
+/// Errors that checked input cannot cause.
+macro_rules! internal {
+    ($($error:ty),* $(,)?) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::internal(error)
+            }
+        })*
+    };
+}
+
+internal!(TableFault, OffersError);
+
+impl From<WorldError> for Failure {
+    fn from(error: WorldError) -> Self {
+        match error {
+            WorldError::Scan(_) => Self::internal(error),
+            WorldError::NoSuchTarget { .. } => Self::Input(format!(
+                "--target {error} (or add it with --set calibration.targets=...)"
+            )),
+            error => Self::input(error),
+        }
+    }
+}
+
+impl From<SightError> for Failure {
+    fn from(error: SightError) -> Self {
+        match error {
+            SightError::NoSuchTelescope { name, known } => no_such("--telescope", &name, &known),
+            SightError::NoSuchDetector { name, known } => no_such("--detector", &name, &known),
+            SightError::AmbiguousDetector { .. } => Self::Input(format!("--{error}")),
+            SightError::NoDetectors => Self::Input(format!(
+                "--detector all: {error}; add [[telescope.detector]] tables, or name a telescope with \
+                 --telescope to see through its field of view"
+            )),
+            error @ (SightError::Rotation(_) | SightError::Field(_)) => Self::internal(error),
+        }
+    }
+}
+
+/// Says what there is instead, the nearest first.
+fn no_such(option: &str, name: &str, known: &[String]) -> Failure {
+    if known.is_empty() {
+        return Failure::Input(format!("{option} {name}: the mission lists none"));
+    }
+    let known = nearest_first(name, known);
+    Failure::Input(format!("{option} {name} is not in the mission: it has {known}"))
+}
+
+impl From<WorthError> for Failure {
+    fn from(error: WorthError) -> Self {
+        match error {
+            WorthError::Strength { .. } => Self::input(error),
+            WorthError::Table(_) | WorthError::Sky(_) => Self::internal(error),
+        }
+    }
+}
+
+impl From<DemandError> for Failure {
+    fn from(error: DemandError) -> Self {
+        match error {
+            DemandError::Occasion(error) => error.into(),
+            DemandError::Worth(error) => error.into(),
+            DemandError::Sky(error) => Self::input(error),
+            DemandError::Table(error) => error.into(),
+        }
+    }
+}
+
+impl From<RevisionError> for Failure {
+    fn from(error: RevisionError) -> Self {
+        let option = |asked| match asked {
+            Asked::Fixed => "--fix",
+            Asked::Forbidden => "--forbid",
+        };
+        Self::Input(match &error {
+            RevisionError::NoSuchOpportunity { asked, .. } => {
+                format!("{} {error}, as timeline.json has them", option(*asked))
+            }
+            RevisionError::NamedTwice { asked, id } => {
+                format!("{} names {id} twice", option(*asked))
+            }
+            _ => error.to_string(),
+        })
+    }
+}
+
+/// A plan that fails for want of input; contradictions among rules are for `plan` to tell.
+impl From<PlanError> for Failure {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::World(error) => error.into(),
+            PlanError::Table(error) => error.into(),
+            PlanError::Offers(error) => error.into(),
+            PlanError::Demand(error) => error.into(),
+            PlanError::Revision(error) => error.into(),
+            PlanError::Schedule(error) => Self::input(error),
+        }
+    }
+}
+
+impl From<CheckError> for Failure {
+    fn from(error: CheckError) -> Self {
+        match error {
+            CheckError::Sky(_) | CheckError::Certificate(_) => Self::input(error),
+            CheckError::Nside(_) | CheckError::Window(_) => Self::internal(error),
+        }
+    }
+}
+
+impl From<SurveyInputError> for Failure {
+    fn from(error: SurveyInputError) -> Self {
+        Self::Input(format!("--{error}"))
+    }
+}
+
+impl From<VectorsError> for Failure {
+    fn from(error: VectorsError) -> Self {
+        match error {
+            VectorsError::NoSuchBody { .. } => {
+                Self::Input(format!("{error}, or other names with --target"))
+            }
+            VectorsError::Table(error) => Self::input(error),
+            VectorsError::Offers(error) => error.into(),
+        }
+    }
+}
+
+impl From<SpiceError> for Failure {
+    fn from(error: SpiceError) -> Self {
+        Self::Input(match error {
+            SpiceError::Empty => format!("{error}: leave out ck, or give --aem-span all"),
+            SpiceError::TooLarge(_) => {
+                format!("{error}: a larger --aem-error-arcsec or a shorter span is needed")
+            }
+            SpiceError::OutsideClock(_) => error.to_string(),
+        })
+    }
+}
+
+/// What was to be written could not be made; a place that cannot take it is named by whoever writes.
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        match error {
+            WriteError::Io(error) => Self::input(error),
+            WriteError::Table(error) => error.into(),
+            WriteError::Spice(error) => error.into(),
+            WriteError::Row(error) => match error.downcast::<Self>() {
+                Ok(failure) => *failure,
+                Err(other) => Self::internal(other),
+            },
+            WriteError::Refused(reason) => Self::Internal(reason),
+        }
     }
 }

@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 
-use ground_tools::mission::telescope::{NamedDetector, Telescope};
-use ground_tools::mission::{Mission, Override};
+use mission::telescope::{NamedDetector, Telescope};
+use mission::{Mission, Override};
 use onboard_core::direction::Direction;
 use sha2::{Digest, Sha256};
 use std::fmt::Write;

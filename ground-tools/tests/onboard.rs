@@ -5,15 +5,15 @@
 
 use ephem::fit::FitOptions;
 use ephem::source::SUN_AS_TARGET;
-use ground_tools::mission::{Mission, Override};
-use ground_tools::uplink::Contents;
-use ground_tools::world::World;
+use formats::uplink::Contents;
+use mission::{Mission, Override};
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::sequencer::{
     Event, EventQueue, MAX_EVALUATIONS_PER_TICK, Sequencer, Settings, Situation, SkipReason,
 };
 use onboard_core::time::Duration;
 use onboard_core::uplink::{SessionRecord, Tables};
+use planner::world::World;
 use std::path::Path;
 use std::process::Command;
 

@@ -1,7 +1,7 @@
 //! Pictures and charts: what stands where, and that nothing odd stops them.
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 
-use ground_tools::fits::MapFrame;
+use formats::fits::MapFrame;
 use ground_tools::picture::{
     Axis, Chart, ColourMap, Drawing, Mark, PictureError, Range, Scale, Series, Shape, SkyMap,
     SkyPicture, Track, View, chart, sky_picture,

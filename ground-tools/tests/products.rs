@@ -319,7 +319,7 @@ fn equal_plans_are_equal_bytes_and_stale_products_vanish() {
 fn the_calendar_has_the_sessions() {
     let text = PLAN.text("timeline.ics");
     assert!(text.split("\r\n").all(|line| line.len() <= 75));
-    let events = ground_tools::calendar::read(&text).unwrap();
+    let events = mission::occasions::read_calendar(&text).unwrap();
     assert_eq!(events.len(), PLAN.sessions().len());
     let unfolded = text.replace("\r\n ", "");
     for (event, session) in events.iter().zip(PLAN.sessions()) {

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 #![expect(clippy::float_cmp, reason = "whole numbers of samples")]
 
-use ground_tools::fits::{
+use formats::fits::{
     Column, ColumnChoice, Frames, Map, MapFrame, MapHeader, Polcconv, Values, read_map, write_maps,
 };
 use planner::healpix::{Nside, Ordering};

@@ -5,14 +5,18 @@
 //! hertz, times nanoseconds of TAI; degrees, minutes and rpm belong to files and reports.
 
 pub mod progress;
-pub mod constraints;
 pub mod healpix;
-pub mod opportunity;
-pub mod strength;
+pub mod world;
+pub mod provenance;
+pub mod constraints;
 pub mod visits;
+pub mod opportunities;
+pub mod worth;
 mod conic;
 pub mod program;
 pub mod schedule;
+pub mod plan;
 pub mod survey;
 pub mod mapmaking;
 pub mod resonance;
+pub mod history_fit;

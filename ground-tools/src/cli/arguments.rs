@@ -2,9 +2,9 @@
 //!
 //! Limits: durations and angles are text here; the verbs read them, so that a fault names its option.
 
-use crate::number::Number;
-use crate::product::Also;
 use clap::{ArgAction, Args, Subcommand, ValueEnum};
+use formats::products;
+use mission::number::Number;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use onboard_core::time::Duration;
@@ -84,7 +84,7 @@ pub struct VisitsArgs {
     #[arg(long)]
     pub galactic: bool,
     /// The pixels' resolution, a power of two
-    #[arg(long, value_name = "N", default_value_t = crate::places::DEFAULT_NSIDE)]
+    #[arg(long, value_name = "N", default_value_t = crate::cli::places::DEFAULT_NSIDE)]
     pub nside: u32,
     /// Pixels are numbered in NESTED order, not in RING order
     #[arg(long)]
@@ -180,7 +180,7 @@ pub enum SkyFrame {
     Galactic,
 }
 
-impl From<SkyFrame> for crate::fits::MapFrame {
+impl From<SkyFrame> for formats::fits::MapFrame {
     fn from(frame: SkyFrame) -> Self {
         match frame {
             SkyFrame::Ecliptic => Self::Ecliptic,
@@ -449,6 +449,40 @@ pub struct RevisionArgs {
     /// Sessions that must not stand, by id
     #[arg(long, value_name = "ID,...", value_delimiter = ',')]
     pub forbid: Vec<String>,
+}
+
+/// A product on request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Also {
+    /// timeline.parquet: the timeline as Apache Parquet
+    Parquet,
+    /// attitude.xml: the AEM in XML
+    AemXml,
+    /// pointing-periods.csv: what is observed when, between sessions too
+    Ppl,
+    /// attitude.a and sessions.int, for STK
+    Stk,
+    /// attitude.bc, clock.tsc and frame.tf, for SPICE
+    Ck,
+    /// All of them
+    All,
+}
+
+impl ProductArgs {
+    /// The products that were asked for, each once.
+    #[must_use]
+    pub fn also(&self) -> Vec<products::Also> {
+        let all = self.also.contains(&Also::All);
+        let pairs = [
+            (Also::Parquet, products::Also::Parquet),
+            (Also::AemXml, products::Also::AemXml),
+            (Also::Ppl, products::Also::Ppl),
+            (Also::Stk, products::Also::Stk),
+            (Also::Ck, products::Also::Ck),
+        ];
+        let wanted = |it: &&(Also, products::Also)| all || self.also.contains(&it.0);
+        pairs.iter().filter(wanted).map(|it| it.1).collect()
+    }
 }
 
 /// The products of `plan`.

@@ -6,16 +6,19 @@
 //! Limits: `--sun circular` without a longitude takes the mission's, else the real one at the start.
 
 mod arguments;
+pub mod places;
 
 pub use arguments::*;
 
-use crate::fault::{Fault, MissionError, Problem};
-use crate::mission::{Mission, Override};
-use crate::number::Number;
-use crate::presets;
-use crate::quantity;
+use crate::failure::Failure;
 use clap::{ArgAction, Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use formats::rows;
+use mission::fault::{Fault, MissionError, Problem};
+use mission::number::Number;
+use mission::presets;
+use mission::quantity;
+use mission::{Mission, Override};
 use num_rational::BigRational;
 use std::path::{Path, PathBuf};
 
@@ -133,6 +136,27 @@ pub enum Format {
     Aem,
 }
 
+impl Format {
+    /// The form of rows; a form that one verb alone writes is refused.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] says which verb takes it.
+    pub fn of_rows(self) -> Result<rows::Format, Failure> {
+        let alone = |format: &str, verb: &str| {
+            Err(Failure::Input(format!(
+                "--format {format} is a form of {verb} alone: csv, jsonl or parquet is needed"
+            )))
+        };
+        match self {
+            Self::Csv => Ok(rows::Format::Csv),
+            Self::Jsonl => Ok(rows::Format::Jsonl),
+            Self::Parquet => Ok(rows::Format::Parquet),
+            Self::C => alone("c", "vectors"),
+            Self::Aem => alone("aem", "pointing"),
+        }
+    }
+}
+
 /// The mission with the overrides of the command line.
 ///
 /// # Errors
@@ -197,8 +221,8 @@ fn from_here(path: &str, mission: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mission::orbit::{Observer, Sun, Trajectory};
     use clap::CommandFactory;
+    use mission::orbit::{Observer, Sun, Trajectory};
     use onboard_core::time::Duration;
 
     fn parse(arguments: &str) -> Result<Cli, String> {

@@ -15,7 +15,7 @@ use super::projection::{View, densified};
 use super::raster::Raster;
 use super::ticks::{factor, ticks};
 use super::{Drawing, PictureError};
-use crate::fits::MapFrame;
+use formats::fits::MapFrame;
 use planner::healpix::{Nside, Ordering};
 use std::fmt::Write;
 

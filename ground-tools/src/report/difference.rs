@@ -3,66 +3,8 @@
 //! A session with the same id in both plans is kept, or moved where its times differ.
 
 use super::names::{grouped, second};
-use crate::timeline::Against;
+use formats::timeline::{Difference, Entry, Moved};
 use maud::{Markup, html};
-
-/// What an earlier plan and this one do not share.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Difference {
-    /// What the earlier plan is called: its file, and its digest where there is one.
-    pub against: String,
-    /// Sessions in both at the same times.
-    pub kept: usize,
-    /// Sessions that the earlier plan did not have, by start.
-    pub added: Vec<Entry>,
-    /// Sessions that only the earlier plan had, by start.
-    pub dropped: Vec<Entry>,
-    /// Sessions in both at other times, by their new start.
-    pub moved: Vec<Moved>,
-    /// This plan's objective less the earlier one's.
-    pub objective: f64,
-}
-
-impl Difference {
-    /// As the timeline holds it; `sha256` is of the earlier plan.
-    #[must_use]
-    pub fn by_ids(&self, sha256: &str) -> Against {
-        let ids = |list: &[Entry]| list.iter().map(|it| it.id.clone()).collect();
-        Against {
-            sha256: sha256.to_owned(),
-            kept: self.kept,
-            added: ids(&self.added),
-            dropped: ids(&self.dropped),
-            moved: self.moved.iter().map(|it| it.now.id.clone()).collect(),
-        }
-    }
-}
-
-/// A session as the timeline tells it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
-    /// Telescope, target and precession turn.
-    pub id: String,
-    /// Telescope's name.
-    pub telescope: String,
-    /// Target's name.
-    pub target: String,
-    /// Start, setup included, UTC.
-    pub start_utc: String,
-    /// End, cooldown included, UTC.
-    pub end_utc: String,
-    /// Time with the target in view.
-    pub dwell_s: f64,
-}
-
-/// A session at other times than before.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Moved {
-    /// As it was.
-    pub before: Entry,
-    /// As it is.
-    pub now: Entry,
-}
 
 pub(super) fn section(difference: &Difference) -> Markup {
     let changes = difference.added.len() + difference.dropped.len() + difference.moved.len();

@@ -28,16 +28,15 @@ mod rejections;
 mod difference;
 mod inputs;
 
-pub use difference::{Difference, Entry, Moved};
 pub use names::chosen;
 
 use crate::failure::Failure;
-use crate::passes::Offers;
-use crate::timeline::Timeline;
-use crate::world::World;
+use formats::timeline::{Difference, Timeline};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use names::Names;
 use onboard_core::ephemeris::EphemerisTable;
+use planner::opportunities::Offers;
+use planner::world::World;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPTS: [&str; 5] = [

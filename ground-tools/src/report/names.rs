@@ -4,8 +4,8 @@
 
 use super::Source;
 use crate::failure::Failure;
-use crate::timeline::Session;
-use planner::opportunity::Opportunity;
+use formats::timeline::Session;
+use planner::opportunities::Opportunity;
 use std::collections::BTreeMap;
 
 /// Names by index, and what stands behind each id.

@@ -17,7 +17,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use ephem::time::{tdb_ns, utc_day, utc_midnight};
 use onboard_core::time::Instant;
-use planner::opportunity::Opportunity;
+use planner::opportunities::Opportunity;
 use serde_json::{Value, json};
 
 /// Days from 1970 to 2000.
@@ -212,7 +212,7 @@ impl Writer<'_, '_> {
 }
 
 /// Least and largest crossing angle of a session's passes in degrees.
-pub(super) fn psi_range(session: &crate::timeline::Session) -> (f64, f64) {
+pub(super) fn psi_range(session: &formats::timeline::Session) -> (f64, f64) {
     let angles = session.transits.iter().map(|it| it.psi_deg);
     angles.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it), high.max(it)))
 }

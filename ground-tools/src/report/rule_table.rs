@@ -11,7 +11,7 @@
 use super::Source;
 use super::names::{grouped, real, total};
 use super::plot::{n, steps};
-use crate::timeline::{Constraint, Loosened};
+use formats::timeline::{Constraint, Loosened};
 use maud::{Markup, PreEscaped, html};
 
 /// Rows shown of each rule, and further ones behind a fold.

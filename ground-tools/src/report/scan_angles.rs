@@ -8,7 +8,7 @@
 use super::Source;
 use super::names::{Names, grouped, real, total};
 use super::plot::{colour, n, steps};
-use crate::timeline::SessionTransit;
+use formats::timeline::SessionTransit;
 use maud::{Markup, PreEscaped, html};
 use std::fmt::Write;
 

@@ -3,7 +3,7 @@
 use super::Source;
 use super::names::{grouped, second, total};
 use super::opportunity_data::psi_range;
-use crate::timeline::Session;
+use formats::timeline::Session;
 use maud::{Markup, html};
 
 pub(super) fn section(source: &Source) -> Markup {

@@ -43,7 +43,7 @@ pub(super) fn section(source: &Source) -> Result<Markup, Failure> {
         let at = world.start.plus(Duration::from_seconds(length * real(step) / real(STEPS)));
         let at = at.min(world.end);
         let sun = sun_model.state(world.start, at);
-        let sun = sun.map_err(|error| Failure::internal(crate::passes::told(error)))?;
+        let sun = sun.map_err(planner::world::TableFault)?;
         for (track, target) in tracks.iter_mut().zip(&world.targets) {
             let place = world.sky.direction(target, at).map_err(Failure::input)?;
             track.push(place.separation_rad(sun.direction));

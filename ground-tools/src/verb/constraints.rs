@@ -3,8 +3,8 @@
 use super::{mission, print_json, tell};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
-use crate::mission::Mission;
-use crate::mission::telescope::Telescope;
+use mission::Mission;
+use mission::telescope::Telescope;
 use planner::constraints::{
     Coherence, Defined, KineticConstraints, Optics, Scan, kinetic_constraints,
 };

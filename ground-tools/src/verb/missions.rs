@@ -3,9 +3,9 @@
 use super::{print_json, sink};
 use crate::cli::{MissionsArgs, SharedArgs};
 use crate::failure::Failure;
-use crate::mission::Mission;
 use crate::output::to_stdout;
-use crate::presets;
+use mission::Mission;
+use mission::presets;
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -15,12 +15,12 @@ mod report;
 
 use crate::cli::{Cli, Format, SharedArgs, Verb};
 use crate::failure::Failure;
-use crate::mission::Mission;
 use crate::output::{Sink, to_stdout};
-use crate::provenance::Provenance;
-use crate::rows::{self, Layout};
-use crate::world::World;
 use clap::CommandFactory;
+use formats::rows::{self, Layout};
+use mission::Mission;
+use planner::provenance::Provenance;
+use planner::world::World;
 use serde::Serialize;
 use std::fmt::Display;
 
@@ -60,7 +60,7 @@ fn mission(shared: &SharedArgs) -> Result<Mission, Failure> {
 
 /// The mission of the command line among the planets.
 fn world(shared: &SharedArgs) -> Result<World, Failure> {
-    World::open(mission(shared)?, shared.ephemeris.as_deref())
+    Ok(World::open(mission(shared)?, shared.ephemeris.as_deref())?)
 }
 
 /// Warnings go to standard error, unless quiet.
@@ -90,7 +90,8 @@ fn deliver<R: Serialize, S: Serialize>(
 ) -> Result<(), Failure> {
     let sink = sink(shared);
     if !(shared.json && sink == Sink::Stdout) {
-        let layout = Layout { format: shared.format.unwrap_or(Format::Csv), provenance, header };
+        let layout =
+            Layout { format: shared.format.unwrap_or(Format::Csv).of_rows()?, provenance, header };
         sink.write_with(|out| rows::write(out, rows, &layout))?;
     }
     if shared.json { print_json(&summary()?) } else { Ok(()) }

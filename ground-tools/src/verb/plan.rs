@@ -2,34 +2,29 @@
 
 use super::{print_json, tell, warn, world};
 use crate::cli::{AttitudeSpan, PlanArgs, RevisionArgs, SharedArgs};
-use crate::demands::{Sources, blackouts};
 use crate::failure::Failure;
-use crate::interrupt::SearchLimit;
-use crate::mission::schedule::Exclusive as ExclusiveKey;
+use crate::output::interrupt::SearchLimit;
+use crate::output::stamp::stamp;
 use crate::output::{fill_folder, whole};
-use crate::passes::Offers;
-use crate::product::stamp::stamp;
-use crate::product::{ALWAYS, Also, Products};
-use crate::provenance::PROGRAM;
-use crate::quantity;
-use crate::report::{self, Difference};
-use crate::resonance_check::{ResonanceCheck, minutes};
-use crate::revision::{Earlier, Revision};
-use crate::rounding;
-use crate::timeline::{Planned, Resonance, Timeline, date, session_id};
-use crate::uplink::{Contents, slow_checks};
-use crate::world::World;
-use ephem::fit::FitOptions;
-use ephem::time::{parse_time, utc_day, utc_midnight};
+use crate::report;
+use ephem::time::{format_tdb, parse_time};
+use formats::products::{ALWAYS, Also, Products};
+use formats::resonance::{minutes, sentence};
+use formats::timeline::{Difference, Timeline, date, timeline};
+use formats::uplink::{Contents, records, slow_checks};
+use mission::digest::sha256_hex;
+use mission::{quantity, rounding};
 use onboard_core::time::{Duration, Instant};
-use planner::opportunity::Opportunities;
-use planner::schedule::{
-    Candidate, Conflict, Demands, Exclusive, Loosening, Problem, RuleName, Rules, Schedule,
-    ScheduleError, SessionCount, Stopped, check, loosen, schedule_until,
-};
+use planner::opportunities::Opportunities;
+use planner::plan::{EarlierPlan, PlanError, Revision, plan};
+use planner::provenance::PROGRAM;
+use planner::resonance::check::Resonances;
+use planner::schedule::{Conflict, RuleName, ScheduleError, Stopped, check};
+use planner::world::World;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const DEFAULT_FOLDER: &str = "gyrfalcon-plan";
 /// The file by which a plan is known.
@@ -51,53 +46,38 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let variable = std::env::var("SOURCE_DATE_EPOCH").ok();
     let stamp = stamp(asked.stamp.as_deref(), variable.as_deref(), world.start)?;
     warn(shared, &slow_checks(&world));
-    let resonance = resonance(shared, &world)?;
-    let tables = world.tables(&FitOptions::UPLINK)?;
-    let table = tables.parse()?;
-    let offers = Offers::find(&world, table)?;
-    let opportunities = &offers.opportunities;
-    let blackouts = blackouts(&world)?;
-    let sun = world.sun(table)?;
-    let sources = Sources { world: &world, offers: &offers, sun, table };
-    let mut problem = problem(&world, opportunities, sources.demands(&blackouts)?);
-    wishes.ask(&world, opportunities, &mut problem)?;
+    let resonance = resonance(shared, &world);
     let search_limit = SearchLimit::new(wishes.time_limit);
-    let (schedule, loosened) = scheduled(&world, &problem, &search_limit)?;
-    let planned = Planned {
-        world: &world,
-        offers: &offers,
-        sun,
-        table,
-        blackouts: &blackouts,
-        problem: &problem,
-        schedule: &schedule,
-        loosened: &loosened,
-        resonance: resonance.as_ref(),
-    };
-    let mut timeline = planned.timeline()?;
-    if schedule.stopped == Stopped::Interrupted {
+    let plan = plan(&world, &wishes.revision(), &search_limit)
+        .map_err(|error| plan_failure(&world, error))?;
+    let (tables, offers) = (&plan.offered.tables, &plan.offered.offers);
+    let opportunities = &offers.opportunities;
+    let table = tables.parse()?;
+    let mut timeline = timeline(&world, &plan, resonance.as_ref())?;
+    if plan.schedule.stopped == Stopped::Interrupted {
         timeline.stopped = search_limit.told();
     }
     let difference = wishes.difference(&mut timeline);
-    let records = planned.records()?;
+    let records = records(&world, &plan)?;
     let contents = Contents {
         world: &world,
         ephemeris: &tables.fitted.bytes,
         sessions: Some(&records),
         sequence: arguments.sequence,
     };
-    let violation = check(&problem, &schedule.chosen).err().map(|it| it.to_string());
+    let violation =
+        check(&plan.offered.problem, &plan.schedule.chosen).err().map(|it| it.to_string());
     let page = report::page(&report::Source {
         world: &world,
         table,
-        offers: &offers,
+        offers,
         timeline: &timeline,
         violation: violation.as_deref(),
         difference: difference.as_ref(),
     })?;
     let products = Products {
         world: &world,
-        sun,
+        sun: world.sun(table)?,
         timeline: &timeline,
         stamp,
         error_rad: (asked.aem_error_arcsec / 3600.0).to_radians(),
@@ -111,7 +91,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         ("uplink.tbl", whole(&uplink)),
         ("report.html", whole(&page)),
     ];
-    files.extend(products.fills(&Also::chosen(&asked.also))?);
+    files.extend(products.fills(&asked.also())?);
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     fill_folder(&folder, files)?;
     if ours {
@@ -127,33 +107,21 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
 }
 
 /// A failure where the periods beat.
-fn verdict(world: &World, resonance: Option<&Resonance>) -> Result<(), Failure> {
+fn verdict(world: &World, resonance: Option<&Resonances>) -> Result<(), Failure> {
     match resonance {
-        Some(Resonance { checked, .. }) if !checked.certificate.passes => {
+        Some(Resonances { checked, .. }) if !checked.certificate.passes => {
             let name = &world.mission.name;
-            Err(Failure::Check(format!("{name}: resonance: {}", checked.sentence())))
+            Err(Failure::Check(format!("{name}: resonance: {}", sentence(checked))))
         }
         _ => Ok(()),
     }
 }
 
-/// The check of the periods; one that cannot be made is a warning. Where it fails, periods nearby
-/// are recommended.
-fn resonance(shared: &SharedArgs, world: &World) -> Result<Option<Resonance>, Failure> {
-    let checked = ResonanceCheck::of_mission(world).and_then(|mut check| {
-        let checked = check.certify().map_err(Failure::input)?;
-        Ok((check, checked))
-    });
-    let (mut check, checked) = match checked {
-        Ok(found) => found,
-        Err(error) => {
-            warn(shared, &[format!("resonance cannot be judged: {error}")]);
-            return Ok(None);
-        }
-    };
-    let candidates = if checked.certificate.passes { Vec::new() } else { check.nearby() };
-    let recommended = check.recommend(&candidates).map_err(Failure::input)?;
-    Ok(Some(Resonance { checked, recommended }))
+/// The check of the periods; one that cannot be made is a warning.
+fn resonance(shared: &SharedArgs, world: &World) -> Option<Resonances> {
+    Resonances::of_mission(world)
+        .map_err(|error| warn(shared, &[format!("resonance cannot be judged: {error}")]))
+        .ok()
 }
 
 /// Every file that `plan` may have written.
@@ -209,23 +177,65 @@ fn remove_stale(folder: &Path, written: &[&str]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The schedule, and what its rules' giving way would bring; rules that contradict each other fail in
-/// words.
-fn scheduled(
-    world: &World,
-    problem: &Problem,
-    limit: &SearchLimit,
-) -> Result<(Schedule, Vec<Loosening>), Failure> {
-    let stop = || limit.reached();
-    let (schedule, loosened) =
-        rayon::join(|| schedule_until(problem, Some(&stop)), || loosen(problem, Some(&stop)));
-    let failure = |error| match error {
-        ScheduleError::Infeasible(conflict) => Failure::Check(contradiction(world, &conflict)),
-        error @ ScheduleError::Unsound(_) => Failure::internal(error),
-        error @ ScheduleError::NotFound => Failure::Check(error.to_string()),
-        error => Failure::input(error),
-    };
-    Ok((schedule.map_err(failure)?, loosened.map_err(failure)?))
+/// Why there is no plan; rules that contradict each other fail in words.
+fn plan_failure(world: &World, error: PlanError) -> Failure {
+    match error {
+        PlanError::Schedule(ScheduleError::Infeasible(conflict)) => {
+            Failure::Check(contradiction(world, &conflict))
+        }
+        PlanError::Schedule(error @ ScheduleError::Unsound(_)) => Failure::internal(error),
+        PlanError::Schedule(error @ ScheduleError::NotFound) => Failure::Check(error.to_string()),
+        error => error.into(),
+    }
+}
+
+/// An earlier plan.
+pub(super) struct Earlier {
+    /// Its `timeline.json`.
+    file: PathBuf,
+    /// SHA-256 of that file.
+    sha256: String,
+    /// What it holds.
+    timeline: Timeline,
+}
+
+impl Earlier {
+    /// The plan of a folder, or of a `timeline.json`.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where it is not one, names a session twice, or is another mission's.
+    pub(super) fn read(path: &Path, world: &World) -> Result<Self, Failure> {
+        let file = if path.is_dir() { path.join("timeline.json") } else { path.to_owned() };
+        let (timeline, bytes) = Timeline::read(&file)?;
+        let place = file.display();
+        let (mission, before) = (&world.mission.name, &timeline.provenance);
+        if before.mission != *mission {
+            return Err(Failure::Input(format!(
+                "{place} is a plan of {}, but this mission is {mission}: an earlier plan of the \
+                 same mission is needed",
+                before.mission
+            )));
+        }
+        if before.start_tai_ns != world.start.tai_ns() {
+            return Err(Failure::Input(format!(
+                "{place} is a plan of {mission} from {}, but this mission starts at {}: precession \
+                 turns, and so the ids of sessions, count from the start, which must be the same",
+                before.start_tdb,
+                format_tdb(world.start)
+            )));
+        }
+        let mut ids = BTreeSet::new();
+        if let Some(twice) = timeline.sessions.iter().find(|it| !ids.insert(&it.id)) {
+            return Err(Failure::Input(format!("{place} holds the session {} twice", twice.id)));
+        }
+        Ok(Self { file, sha256: sha256_hex(&bytes), timeline })
+    }
+
+    /// What a timeline changes.
+    pub(super) fn difference(&self, now: &Timeline) -> Difference {
+        let name = self.file.file_name().unwrap_or_default().to_string_lossy();
+        Difference::of(&self.timeline, now, format!("{name}, SHA-256 {}", self.sha256))
+    }
 }
 
 /// What the options ask of the schedule.
@@ -253,21 +263,23 @@ impl<'w> Wishes<'w> {
         })
     }
 
-    fn ask(
-        &self,
-        world: &World,
-        opportunities: &Opportunities,
-        problem: &mut Problem,
-    ) -> Result<(), Failure> {
-        let ids = opportunities.list().iter().map(|it| session_id(world, it));
-        let revision = Revision {
-            earlier: self.earlier.as_ref(),
+    fn revision(&self) -> Revision {
+        let earlier = self.earlier.as_ref().map(|it| EarlierPlan {
+            objective: it.timeline.objective,
+            sessions: it
+                .timeline
+                .sessions
+                .iter()
+                .map(|it| (it.id.clone(), Instant::from_tai_ns(it.start_tai_ns)))
+                .collect(),
+        });
+        Revision {
+            earlier,
             change_price: self.arguments.change_price,
             frozen_until: self.frozen_until,
-            fixed: &self.arguments.fix,
-            forbidden: &self.arguments.forbid,
-        };
-        revision.ask(&ids.collect::<Vec<_>>(), problem)
+            fixed: self.arguments.fix.clone(),
+            forbidden: self.arguments.forbid.clone(),
+        }
     }
 
     /// What a timeline changes, which it is told.
@@ -317,46 +329,6 @@ fn contradiction(world: &World, conflict: &Conflict) -> String {
         conflict.possible,
         conflict.wanted.saturating_sub(conflict.possible)
     )
-}
-
-pub(super) fn problem(world: &World, opportunities: &Opportunities, demands: Demands) -> Problem {
-    let keys = &world.mission.calibration.schedule;
-    let candidates = opportunities
-        .list()
-        .iter()
-        .map(|it| Candidate {
-            target: it.target,
-            telescope: it.telescope,
-            first_entry: it.first_entry,
-            last_exit: it.last_exit,
-            dwell: it.dwell,
-        })
-        .collect();
-    Problem {
-        span: (world.start, world.end),
-        candidates,
-        weights: world.targets.iter().map(|source| keys.weight(source.name())).collect(),
-        rules: Rules {
-            setup: keys.setup(),
-            cooldown: keys.cooldown(),
-            exclusive: match keys.exclusive {
-                ExclusiveKey::Telescope => Exclusive::Telescope,
-                ExclusiveKey::All => Exclusive::All,
-            },
-            max_per_day: keys.max_per_day(),
-            max_sessions: keys
-                .max_sessions
-                .as_ref()
-                .map(|it| SessionCount { count: it.count, window: it.window() }),
-            day_boundaries: midnights(world.start, world.end),
-        },
-        demands,
-    }
-}
-
-/// UTC midnights around and within the mission.
-fn midnights(start: Instant, end: Instant) -> Vec<Instant> {
-    (utc_day(start)..=utc_day(end) + 1).map(utc_midnight).collect()
 }
 
 /// Sessions, their hours, and what was on offer, per target.
@@ -417,14 +389,14 @@ fn told(
     timeline: &Timeline,
     opportunities: &Opportunities,
     (folder, files): (&Path, &[&str]),
-    resonance: Option<&Resonance>,
+    resonance: Option<&Resonances>,
 ) -> String {
     let mission = &world.mission;
     let mut text = String::new();
-    if let Some(Resonance { checked, recommended }) = resonance
+    if let Some(Resonances { checked, recommended }) = resonance
         && !checked.certificate.passes
     {
-        let _ = writeln!(text, "RESONANCE: {}", checked.sentence());
+        let _ = writeln!(text, "RESONANCE: {}", sentence(checked));
         if let Some(nearby) = recommended.map(|it| it.quietest) {
             let _ = writeln!(
                 text,
@@ -474,8 +446,8 @@ fn told(
         100.0 * timeline.gap,
         timeline.stopped
     );
-    if let Some(Resonance { checked, .. }) = resonance.filter(|it| it.checked.certificate.passes) {
-        let _ = writeln!(text, "resonance: {}\n", checked.sentence());
+    if let Some(Resonances { checked, .. }) = resonance.filter(|it| it.checked.certificate.passes) {
+        let _ = writeln!(text, "resonance: {}\n", sentence(checked));
     }
     if let Some(it) = &timeline.against {
         let (added, dropped, moved) = (it.added.len(), it.dropped.len(), it.moved.len());

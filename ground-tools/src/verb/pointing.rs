@@ -3,21 +3,21 @@
 
 use super::{deliver, print_json, sink, world};
 use crate::cli::{Format, PointingArgs, SharedArgs};
-use crate::degrees;
 use crate::failure::Failure;
 use crate::output::Sink;
-use crate::passes::told;
-use crate::product::aem::{BodyFrame, Message, Notation};
-use crate::product::attitude::{Attitudes, Motion, Span};
-use crate::product::stamp::stamp;
-use crate::provenance::Provenance;
-use crate::sightline::{NONE, SightLine, select};
-use crate::world::World;
+use crate::output::stamp::stamp;
 use ephem::time::format_tdb;
+use formats::attitude::{Attitudes, Motion, Span};
+use formats::attitude::{BodyFrame, Message, Notation};
+use formats::degrees;
 use onboard_core::attitude::sweep;
 use onboard_core::hwp::hwp_phase;
 use onboard_core::sun::SunModel;
 use onboard_core::time::Duration;
+use planner::opportunities::{NONE, SightLine, select};
+use planner::provenance::Provenance;
+use planner::world::TableFault;
+use planner::world::World;
 use serde::Serialize;
 
 const COLUMNS: [&str; 16] = [
@@ -197,8 +197,7 @@ fn row(
     elapsed: Duration,
 ) -> Result<Row, Failure> {
     let at = world.start.plus(elapsed);
-    let seen = sweep(&world.scan, sun, line.rotation, at)
-        .map_err(|error| Failure::internal(told(error)))?;
+    let seen = sweep(&world.scan, sun, line.rotation, at).map_err(TableFault)?;
     let [q_x, q_y, q_z, q_w] = seen.attitude.to_xyzw();
     let [x, y, z] = seen.direction.xyz();
     Ok(Row {

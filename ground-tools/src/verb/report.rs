@@ -3,19 +3,16 @@
 //! Passes are computed afresh; the mission and the kernel must be those of the plan, told by digest. The
 //! sessions are held against every rule once more: a plan that breaks one gets its page, and exit code 1.
 
-use super::plan::problem;
+use super::plan::Earlier;
 use super::{sink, warn, world};
 use crate::cli::{ReportArgs, SharedArgs};
-use crate::demands::{Sources, blackouts};
 use crate::failure::Failure;
-use crate::passes::Offers;
-use crate::provenance::Provenance;
 use crate::report::{Source, chosen, page};
-use crate::revision::Earlier;
-use crate::timeline::Timeline;
-use crate::world::World;
-use ephem::fit::FitOptions;
+use formats::timeline::Timeline;
+use planner::plan::Offered;
+use planner::provenance::Provenance;
 use planner::schedule::check;
+use planner::world::World;
 use std::path::Path;
 
 pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Failure> {
@@ -28,23 +25,18 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Fai
         let other = &timeline.provenance.program;
         warn(shared, &[format!("{} is by {other}, the page by {program}", file.display())]);
     }
-    let tables = world.tables(&FitOptions::UPLINK)?;
-    let table = tables.parse()?;
-    let offers = Offers::find(&world, table)?;
-    let sun = world.sun(table)?;
-    let sources = Sources { world: &world, offers: &offers, sun, table };
-    let problem = problem(&world, &offers.opportunities, sources.demands(&blackouts(&world)?)?);
+    let offered = Offered::find(&world)?;
     let earlier = arguments.against.as_ref().map(|path| Earlier::read(path, &world)).transpose()?;
     let difference = earlier.map(|it| it.difference(&timeline));
     let source = Source {
         world: &world,
-        table,
-        offers: &offers,
+        table: offered.tables.parse()?,
+        offers: &offered.offers,
         timeline: &timeline,
         violation: None,
         difference: difference.as_ref(),
     };
-    let violation = check(&problem, &chosen(&source)?).err().map(|it| it.to_string());
+    let violation = check(&offered.problem, &chosen(&source)?).err().map(|it| it.to_string());
     sink(shared).write(&page(&Source { violation: violation.as_deref(), ..source })?)?;
     match violation {
         None => Ok(()),

@@ -2,16 +2,17 @@
 
 use super::{deliver, world};
 use crate::cli::{SharedArgs, TransitsArgs};
-use crate::degrees;
 use crate::failure::Failure;
-use crate::passes::{Found, search, told};
-use crate::provenance::Provenance;
-use crate::sightline::{SightLine, select};
-use crate::world::World;
 use ephem::time::{format_tdb, format_utc};
+use formats::degrees;
 use onboard_core::attitude::sweep;
 use onboard_core::hwp::hwp_phase;
 use onboard_core::sun::SunModel;
+use planner::opportunities::{Found, search};
+use planner::opportunities::{SightLine, select};
+use planner::provenance::Provenance;
+use planner::world::TableFault;
+use planner::world::World;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -84,8 +85,7 @@ fn row<'w>(
 ) -> Result<Row<'w>, Failure> {
     let transit = &found.transit;
     let at = transit.closest;
-    let seen = sweep(&world.scan, sun, line.rotation, at)
-        .map_err(|error| Failure::internal(told(error)))?;
+    let seen = sweep(&world.scan, sun, line.rotation, at).map_err(TableFault)?;
     let (precession_count, spin_count) = world.scan.turns(at);
     Ok(Row {
         target: world.targets[found.target].name(),

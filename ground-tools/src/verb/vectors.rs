@@ -3,16 +3,18 @@
 use super::{pointing, print_json, sink, table, warn, world};
 use crate::cli::{Format, SharedArgs, VectorsArgs};
 use crate::failure::Failure;
-use crate::output::{Sink, WriteError, to_stdout, write_folder};
-use crate::provenance::Provenance;
-use crate::resolve::sha256_hex;
-use crate::rows::{self, Layout};
-use crate::sightline::select;
-use crate::vectors::{TRANSIT_COLUMNS, TransitVector, VECTOR_COLUMNS, Vector, VectorSet, c_header};
-use crate::world::World;
+use crate::output::{Sink, to_stdout, write_folder};
 use ephem::random::SplitMix64;
+use formats::rows::{self, Layout};
+use formats::vectors::{
+    TRANSIT_COLUMNS, TransitVector, VECTOR_COLUMNS, Vector, VectorSet, c_header,
+};
+use mission::digest::sha256_hex;
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::time::Duration;
+use planner::opportunities::select;
+use planner::provenance::Provenance;
+use planner::world::World;
 use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -49,7 +51,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VectorsArgs) -> Result<(), Fa
     print_json(&json!({
         "vectors": set.vectors.len(),
         "transits": set.transits.len(),
-        "lines": lines.iter().map(crate::sightline::SightLine::key).collect::<Vec<_>>(),
+        "lines": lines.iter().map(planner::opportunities::SightLine::key).collect::<Vec<_>>(),
         "files": files,
         "provenance": serde_json::to_value(&provenance).map_err(Failure::internal)?,
     }))
@@ -117,14 +119,12 @@ fn deliver(
         return Ok(Vec::new());
     }
     let format = format(shared);
+    let rows_format = if format == Format::C { rows::Format::Csv } else { format.of_rows()? };
     let table = |header: &[&str], rows: &mut dyn Iterator<Item = Object<'_>>| {
-        let layout = Layout { format, provenance, header };
+        let layout = Layout { format: rows_format, provenance, header };
         let mut bytes = Vec::new();
-        match rows::write(&mut bytes, rows.map(Ok), &layout) {
-            Ok(_) => Ok(bytes),
-            Err(WriteError::Failed(failure)) => Err(failure),
-            Err(WriteError::Io(error)) => Err(Failure::internal(error)),
-        }
+        rows::write(&mut bytes, rows.map(Ok::<_, Failure>), &layout)?;
+        Ok::<_, Failure>(bytes)
     };
     let mut vectors = set.vectors.iter().map(Object::Vector);
     let mut transits = set.transits.iter().map(Object::Transit);

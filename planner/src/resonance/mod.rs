@@ -29,6 +29,7 @@ mod bound;
 pub mod certificate;
 pub mod actuator;
 pub mod recommendation;
+pub mod check;
 
 pub use actuator::Actuator;
 pub use certificate::{Certificate, CertificateError, Tolerance, Worst};

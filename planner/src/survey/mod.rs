@@ -26,6 +26,7 @@ pub mod clock;
 pub mod sun;
 pub mod frame;
 pub mod detector;
+pub mod input;
 pub mod moment;
 pub mod map;
 pub mod isa;

@@ -4,16 +4,16 @@
 
 use crate::{comparison, sequencer, services, slots};
 use ephem::fit::FitOptions;
-use ground_tools::mission::{Mission, Override};
-use ground_tools::presets;
-use ground_tools::uplink::Contents;
-use ground_tools::world::World;
+use formats::uplink::Contents;
 use libtest_mimic::Failed;
+use mission::presets;
+use mission::{Mission, Override};
 use onboard_core::detector::detector_at;
 use onboard_core::frame::{Boresight, Detector};
 use onboard_core::rotation::Rotation;
 use onboard_core::time::Instant;
 use onboard_core::uplink::{Container, SectionKind, SessionRecord};
+use planner::world::World;
 use tests::Noise;
 
 /// A day in ns.

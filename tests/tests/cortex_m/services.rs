@@ -2,12 +2,12 @@
 
 use crate::input::{Input, NS_PER_DAY, ONE_MONTH, Tables, channel, container, sized, world};
 use ephem::fit::FitOptions;
-use ground_tools::world::World;
 use onboard_core::attitude::attitude;
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::frame::Boresight;
 use onboard_core::rotation::Rotation;
 use onboard_core::time::Duration;
+use planner::world::World;
 use tests::Noise;
 use tests::attitudes::{MINUTE_NS, NOISE_RAD, SETTINGS, Truth, shaken};
 

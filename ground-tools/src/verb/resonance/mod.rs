@@ -5,19 +5,21 @@
 //! asked for.
 
 mod options;
+mod figure;
 
 use super::{deliver, mission, print_json, sink, tell};
 use crate::cli::{ResonanceArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
 use crate::picture::{Figure, write_figures};
-use crate::provenance::Provenance;
-use crate::resonance_check::{Checked, ResonanceCheck, minutes};
-use crate::resonance_figure::{Point, figure};
-use crate::world::World;
+use figure::{Point, figure};
+use formats::resonance::{json as checked_json, minutes, sentence};
 use options::{Actuators, Periods};
+use planner::provenance::Provenance;
 use planner::resonance::actuator::tolerance_after;
+use planner::resonance::check::{Checked, ResonanceCheck};
 use planner::resonance::{CertificateError, Choice, Crosslink, Recommendation, Tolerance};
+use planner::world::World;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -121,7 +123,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
     if checked.certificate.passes {
         Ok(())
     } else {
-        Err(Failure::Check(format!("{}: resonance: {}", world.mission.name, checked.sentence())))
+        Err(Failure::Check(format!("{}: resonance: {}", world.mission.name, sentence(&checked))))
     }
 }
 
@@ -244,7 +246,7 @@ struct Report<'r> {
 
 impl Report<'_> {
     fn json(&self, provenance: &Provenance, files: &[String]) -> Result<Value, Failure> {
-        let mut value = self.checked.json(self.recommended);
+        let mut value = checked_json(self.checked, self.recommended);
         value["actuators"] = self.lasting.as_ref().map_or(Value::Null, Lasting::json);
         value["crosslink"] = self.crosslinks.as_ref().map_or(Value::Null, |it| {
             let each = |it: &Crosslink| json!({"n": it.order, "mean": it.mean});
@@ -272,7 +274,7 @@ impl Report<'_> {
             rounded(tolerance.spin_s),
             (motion.precession_period_s / motion.spin_period_s).abs()
         );
-        let _ = writeln!(text, "{}\n", self.checked.sentence());
+        let _ = writeln!(text, "{}\n", sentence(self.checked));
         let _ = writeln!(text, "{:<34} {:>12} {:>10}", "sigma_hits / mean", "value", "excess");
         let excess = |sigma: f64| 100.0 * (sigma / certificate.sigma_floor - 1.0);
         for (name, sigma) in [

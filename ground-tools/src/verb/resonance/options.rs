@@ -2,14 +2,15 @@
 
 use crate::cli::{ActuatorArgs, ResonanceArgs};
 use crate::failure::Failure;
-use crate::number::{Number, nearest};
-use crate::quantity;
-use crate::resonance_check::{NSIDE, minutes};
-use crate::rounding;
 use crate::verb::table::angle;
+use formats::resonance::minutes;
+use mission::number::{Number, nearest};
+use mission::quantity;
+use mission::rounding;
 use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use planner::healpix::Nside;
+use planner::resonance::check::NSIDE;
 use planner::resonance::crosslink::MAX_ORDER;
 use planner::resonance::{Actuator, Motion, Tolerance, Window};
 

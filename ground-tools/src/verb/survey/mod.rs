@@ -6,25 +6,26 @@
 
 mod options;
 mod sky;
+mod products;
 
 use super::{mission, print_json, tell, warn};
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
-use crate::provenance::Provenance;
-use crate::sightline::{NONE, SightLine, select};
-use crate::survey_input::SurveyInput;
-use crate::survey_products::{Layout, Pictures, beside, tracks, write_fits};
-use crate::survey_report::{MapReport, Snapshot, Summary, SurveyReport, text, who};
-use crate::world::{Tables, World};
+use formats::survey::{MapReport, Snapshot, Summary, SurveyReport, text, who};
 use indicatif::{ProgressBar, ProgressStyle};
 use onboard_core::time::Duration;
 use planner::healpix::{Nside, Ordering};
 use planner::mapmaking::Sky;
+use planner::opportunities::{NONE, SightLine, select};
+use planner::provenance::Provenance;
+use planner::survey::input::SurveyInput;
 use planner::survey::{
     Collector, Isa, MapFrame, Moment, Progress, SunSource, Survey, SurveyDetector, SurveyMaps,
     SurveyStatistics, SurveySun, Sweeping,
 };
+use planner::world::{Tables, World};
+use products::{Layout, Pictures, beside, tracks, write_fits};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::f64::consts::TAU;

@@ -1,20 +1,20 @@
 //! The options of `survey`, checked: a sentence for each that is not legal.
 
 use crate::cli::SurveyArgs;
+use crate::cli::places::angles;
 use crate::failure::Failure;
-use crate::memory::available_bytes;
-use crate::number::Number;
+use crate::output::memory::available_bytes;
 use crate::picture::View;
-use crate::places::angles;
-use crate::quantity;
-use crate::rounding;
-use crate::sightline::SightLine;
-use crate::survey_input::SurveyInput;
-use crate::world::World;
+use mission::number::Number;
+use mission::quantity;
+use mission::rounding;
 use onboard_core::time::Duration;
 use planner::constraints::sampling_ok;
 use planner::healpix::{MAX_NSIDE, Nside};
+use planner::opportunities::SightLine;
+use planner::survey::input::SurveyInput;
 use planner::survey::{Isa, MOST_MOMENTS, Moment, map_bytes};
+use planner::world::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::f64::consts::TAU;
 use std::num::NonZeroUsize;

@@ -2,21 +2,21 @@
 //! into the survey's pixels.
 
 use super::Session;
+use super::products::beside;
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
-use crate::fits::{
-    Card, Column, Frames, MapFrame, MapHeader, Polcconv, StokesMap, Values, provenance_cards,
-    read_stokes, write_maps,
-};
 use crate::output::Sink;
-use crate::sightline::SightLine;
-use crate::survey_products::beside;
-use crate::survey_report::{SkyReport, who};
+use formats::fits::{
+    Card, Column, FitsError, Frames, MapFrame, MapHeader, Polcconv, StokesMap, Values,
+    provenance_cards, read_stokes, write_maps,
+};
+use formats::survey::{SkyReport, who};
 use planner::healpix::Nside;
 use planner::mapmaking::{
     BinnedMaps, CONDITION_LIMIT, MapMaker, PolarisationConvention, Sample, Sky, SkyMap, Solution,
     map_bytes,
 };
+use planner::opportunities::SightLine;
 use planner::survey::{MapFrame as SurveyFrame, Progress, Survey};
 use rayon::prelude::*;
 use std::path::Path;
@@ -38,11 +38,11 @@ pub(super) fn asked(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<Optio
 /// Reads a sky; a file that does not name its frame is taken to be in `unsaid`.
 fn read(path: &Path, unsaid: Option<MapFrame>) -> Result<Sky, Failure> {
     let frames = Frames { accepted: &[MapFrame::Ecliptic, MapFrame::Galactic], unsaid };
-    let map: StokesMap = read_stokes(path, frames).map_err(|failure| match failure {
-        Failure::Input(told) if unsaid.is_none() && told.contains("COORDSYS = nothing") => {
-            Failure::Input(format!("{told}; --sky-frame says it for a file that does not"))
+    let map: StokesMap = read_stokes(path, frames).map_err(|failure| match &failure.error {
+        FitsError::Frame { found, .. } if unsaid.is_none() && found == "nothing" => {
+            Failure::Input(format!("{failure}; --sky-frame says it for a file that does not"))
         }
-        other => other,
+        _ => failure.into(),
     })?;
     let frame = match map.frame {
         MapFrame::Galactic => SurveyFrame::Galactic,

@@ -3,11 +3,11 @@
 use super::{angle, load, read};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
-use crate::uplink::digest;
 use crate::verb::{print_json, tell, world};
 use ephem::fit::MILLIARCSECOND_RAD;
 use ephem::source::Source;
 use ephem::verify::{BodyCheck, verify};
+use formats::uplink::digest;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;

@@ -7,9 +7,9 @@
 use super::{avoidance_told, hex, load, name, read};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
-use crate::uplink::{refusal_told, span_told};
 use crate::verb::{print_json, tell};
 use ephem::fit::MILLIARCSECOND_RAD;
+use formats::uplink::{refusal_told, span_told};
 use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::{SessionRecord, Slots, Tables};
 use serde_json::{Value, json};

@@ -3,9 +3,9 @@
 use super::{avoidance_told, hex, load, name, read};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
-use crate::uplink::span_told;
 use crate::verb::{print_json, tell};
 use ephem::time::format_tdb;
+use formats::uplink::span_told;
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
 use onboard_core::ephemeris::Span;
 use onboard_core::uplink::{ROLLBACK_BYTES, RollbackError, RollbackOrder};

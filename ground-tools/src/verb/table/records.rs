@@ -3,12 +3,12 @@
 use super::{load, read};
 use crate::cli::{ClockArgs, SharedArgs};
 use crate::failure::Failure;
-use crate::number::Number;
 use crate::output::Sink;
-use crate::quantity;
-use crate::rounding;
 use crate::verb::tell;
 use ephem::time::parse_time;
+use mission::number::Number;
+use mission::quantity;
+use mission::rounding;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::ToPrimitive;

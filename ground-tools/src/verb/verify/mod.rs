@@ -5,21 +5,21 @@ mod report;
 use super::{mission, print_json, sink, table, tell};
 use crate::cli::{Against, Format, ReferenceFrame, SharedArgs, VerifyArgs};
 use crate::failure::Failure;
-use crate::history::{History, Reference};
 use crate::output::Sink;
-use crate::passes::told;
-use crate::provenance::Provenance;
-use crate::rows::{self, Layout};
-use crate::scan_fit::angles::rotation_vector;
-use crate::scan_fit::{FEWEST_ROWS, Fit, FitError, Measured, fit};
-use crate::sightline::select;
-use crate::world::World;
 use ephem::apparent::OBLIQUITY_ARCSEC;
 use ephem::time::format_tdb;
+use formats::history::{History, Reference};
+use formats::rows::{self, Layout};
 use onboard_core::attitude::attitude;
 use onboard_core::frame::{Boresight, Detector, Ecliptic, Icrf};
 use onboard_core::rotation::Rotation;
 use onboard_core::sun::SunModel;
+use planner::history_fit::angles::rotation_vector;
+use planner::history_fit::{FEWEST_ROWS, Fit, FitError, Measured, fit};
+use planner::opportunities::select;
+use planner::provenance::Provenance;
+use planner::world::TableFault;
+use planner::world::World;
 use report::{ARCSECONDS_PER_RADIAN, Report};
 use serde::Serialize;
 use std::io::Read;
@@ -76,20 +76,20 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
                 "{name}: it has attitudes at {rows} times: {FEWEST_ROWS} or more are needed"
             )));
         }
-        Err(FitError::Sun(error)) => return Err(Failure::internal(told(error))),
+        Err(FitError::Sun(error)) => return Err(TableFault(error).into()),
         Err(FitError::Precession(ambiguous)) => Err(("precession", ambiguous)),
         Err(FitError::Spin(ambiguous)) => Err(("spin", ambiguous)),
     };
-    let rows = residuals(&world, &sun, (&history, &measured), fitted.as_ref().ok())
-        .map_err(|error| Failure::internal(told(error)))?;
+    let rows =
+        residuals(&world, &sun, (&history, &measured), fitted.as_ref().ok()).map_err(TableFault)?;
     let provenance = Provenance::of(&world);
     if shared.out.is_some() && !(shared.json && sink(shared) == Sink::Stdout) {
         let layout = Layout {
-            format: shared.format.unwrap_or(Format::Csv),
+            format: shared.format.unwrap_or(Format::Csv).of_rows()?,
             provenance: &provenance,
             header: &COLUMNS,
         };
-        let all = rows.iter().cloned().map(Ok);
+        let all = rows.iter().cloned().map(Ok::<_, Failure>);
         sink(shared).write_with(|out| rows::write(out, all, &layout))?;
     }
     let against_fit = arguments.against == Against::Fit;

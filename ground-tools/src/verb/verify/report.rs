@@ -4,19 +4,20 @@
 //! three standard errors on both sides, as outside when it holds none of that, else it is undecided.
 
 use super::Row;
-use crate::degrees;
 use crate::failure::Failure;
-use crate::history::History;
-use crate::number::Number;
-use crate::provenance::Provenance;
-use crate::resonance_check::{Checked, ResonanceCheck};
-use crate::scan_fit::follow::Ambiguous;
-use crate::scan_fit::{Estimate, Fit, Observable, Turning};
-use crate::world::World;
 use ephem::time::format_tdb;
+use formats::degrees;
+use formats::history::History;
+use formats::resonance;
+use mission::number::Number;
 use onboard_core::phase::Rotor;
 use onboard_core::scan::ScanParameters;
+use planner::history_fit::follow::Ambiguous;
+use planner::history_fit::{Estimate, Fit, Observable, Turning};
+use planner::provenance::Provenance;
 use planner::resonance::Tolerance;
+use planner::resonance::check::{Checked, ResonanceCheck};
+use planner::world::World;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -281,7 +282,7 @@ impl<'r> Report<'r> {
             "ambiguous": ambiguous,
             "fit": self.fit.as_ref().ok().map(|fit| fit_json(self.world.scan.parameters(), fit)),
             "periods_within_tolerance": self.within,
-            "resonance": self.resonance.as_ref().map(|it| it.json(None)),
+            "resonance": self.resonance.as_ref().map(|it| resonance::json(it, None)),
             "provenance": serde_json::to_value(provenance).map_err(Failure::internal)?,
         }))
     }
@@ -339,7 +340,7 @@ impl<'r> Report<'r> {
         };
         writeln!(out, "\nperiods: {within}")?;
         if let Some(resonance) = &self.resonance {
-            writeln!(out, "resonance of the fitted periods: {}", resonance.sentence())?;
+            writeln!(out, "resonance of the fitted periods: {}", resonance::sentence(resonance))?;
         }
         writeln!(out, "verdict: {}", self.verdict())
     }

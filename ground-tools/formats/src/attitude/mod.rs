@@ -1,0 +1,12 @@
+//! Which way does a frame point over a span: samples, and the formats that hold them. One file per
+//! format; `samples` makes the attitudes of all.
+
+mod samples;
+mod aem;
+mod stk;
+mod spice;
+
+pub use aem::{BodyFrame, Message, Notation};
+pub use samples::{Attitudes, Motion, Sample, Span, Step, StepError, lines, sampled, turned};
+pub use spice::{Kernels, SpiceError};
+pub use stk::{write_attitude as write_stk_attitude, write_intervals as write_stk_intervals};

@@ -1,0 +1,183 @@
+//! Which files a plan's folder holds, and what fills them.
+
+use crate::attitude::{
+    Attitudes, BodyFrame, Kernels, Message, Motion, Notation, Span, write_stk_attitude,
+    write_stk_intervals,
+};
+use crate::calendar;
+use crate::error::WriteError;
+use crate::periods;
+use crate::rows::Format;
+use crate::timeline::Timeline;
+use onboard_core::rotation::Rotation;
+use onboard_core::sun::SunModel;
+use onboard_core::time::Instant;
+use planner::world::World;
+use std::io::Write;
+
+/// What fills a file as it is written.
+pub type Fill<'f> = Box<dyn FnOnce(&mut dyn Write) -> Result<(), WriteError> + 'f>;
+
+/// What `plan` always writes: what [`Products`] fills of it comes from here, the rest from elsewhere.
+pub const ALWAYS: [&str; 6] =
+    ["timeline.json", "timeline.csv", "timeline.ics", "attitude.aem", "uplink.tbl", "report.html"];
+
+/// A product on request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Also {
+    /// timeline.parquet: the timeline as Apache Parquet
+    Parquet,
+    /// attitude.xml: the AEM in XML
+    AemXml,
+    /// pointing-periods.csv: what is observed when, between sessions too
+    Ppl,
+    /// attitude.a and sessions.int, for STK
+    Stk,
+    /// attitude.bc, clock.tsc and frame.tf, for SPICE
+    Ck,
+}
+
+impl Also {
+    /// Every product on request.
+    pub const EACH: [Self; 5] = [Self::Parquet, Self::AemXml, Self::Ppl, Self::Stk, Self::Ck];
+
+    /// Its files.
+    #[must_use]
+    pub const fn files(self) -> &'static [&'static str] {
+        match self {
+            Self::Parquet => &["timeline.parquet"],
+            Self::AemXml => &["attitude.xml"],
+            Self::Ppl => &["pointing-periods.csv"],
+            Self::Stk => &["attitude.a", "sessions.int"],
+            Self::Ck => &["attitude.bc", "clock.tsc", "frame.tf"],
+        }
+    }
+}
+
+/// What the products are made from.
+#[derive(Debug)]
+pub struct Products<'p> {
+    /// The mission among the planets.
+    pub world: &'p World,
+    /// The Sun model on the table that goes on board.
+    pub sun: SunModel<'p>,
+    /// The timeline.
+    pub timeline: &'p Timeline,
+    /// When the files say they were made.
+    pub stamp: Instant,
+    /// Largest error of interpolation between samples of the attitude.
+    pub error_rad: f64,
+    /// Attitudes of the whole mission, not of the sessions alone.
+    pub whole: bool,
+    /// The spacecraft's NAIF number, negative.
+    pub spacecraft: i32,
+}
+
+impl Products<'_> {
+    /// What fills each file: those that are always there and those of `also`, in order.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the calendar cannot be written.
+    pub fn fills<'f>(&'f self, also: &[Also]) -> Result<Vec<(&'static str, Fill<'f>)>, WriteError> {
+        let attitudes = self.attitudes();
+        let spans = std::rc::Rc::new(self.spans(&attitudes));
+        let calendar = calendar::write(self.timeline, self.stamp)?;
+        let mut fills: Vec<(&'static str, Fill<'f>)> = Vec::new();
+        let all = spans.clone();
+        fills.push(("timeline.ics", Box::new(move |out| Ok(out.write_all(&calendar)?))));
+        fills.push((
+            "attitude.aem",
+            Box::new(move |out| {
+                message(Notation::Kvn, attitudes).write(out, &all, &|at| self.named(at))
+            }),
+        ));
+        for product in also {
+            let spans = spans.clone();
+            match product {
+                Also::Parquet => fills.push((
+                    "timeline.parquet",
+                    Box::new(|out| self.timeline.write_table(out, Format::Parquet)),
+                )),
+                Also::AemXml => fills.push((
+                    "attitude.xml",
+                    Box::new(move |out| {
+                        let message = message(Notation::Xml, attitudes);
+                        message.write(out, &spans, &|at| self.named(at))
+                    }),
+                )),
+                Also::Ppl => fills.push((
+                    "pointing-periods.csv",
+                    Box::new(move |out| {
+                        let mission = (self.world.start, self.world.end);
+                        periods::write(out, self.timeline, &attitudes.motion, mission)
+                    }),
+                )),
+                Also::Stk => {
+                    fills.push((
+                        "attitude.a",
+                        Box::new(move |out| write_stk_attitude(out, &attitudes, &spans)),
+                    ));
+                    fills.push((
+                        "sessions.int",
+                        Box::new(|out| write_stk_intervals(out, self.timeline)),
+                    ));
+                }
+                Also::Ck => {
+                    let (clock, frame) = (spans.clone(), spans.clone());
+                    fills.push((
+                        "attitude.bc",
+                        Box::new(move |out| self.kernels(attitudes, &spans).write_attitude(out)),
+                    ));
+                    fills.push((
+                        "clock.tsc",
+                        Box::new(move |out| self.kernels(attitudes, &clock).write_clock(out)),
+                    ));
+                    fills.push((
+                        "frame.tf",
+                        Box::new(move |out| self.kernels(attitudes, &frame).write_frame(out)),
+                    ));
+                }
+            }
+        }
+        Ok(fills)
+    }
+
+    fn attitudes(&self) -> Attitudes<'_> {
+        let motion = Motion { scan: &self.world.scan, sun: self.sun, frame: Rotation::IDENTITY };
+        Attitudes {
+            product: &self.world.mission.product,
+            provenance: &self.timeline.provenance,
+            stamp: self.stamp,
+            motion,
+            step: motion.step(self.error_rad),
+        }
+    }
+
+    /// Where attitudes are written.
+    fn spans(&self, attitudes: &Attitudes<'_>) -> Vec<Span> {
+        let mission = (self.world.start, self.world.end);
+        if self.whole {
+            return vec![Span::whole(mission)];
+        }
+        let sessions: Vec<(Instant, Instant)> = self
+            .timeline
+            .sessions
+            .iter()
+            .map(|it| (Instant::from_tai_ns(it.start_tai_ns), Instant::from_tai_ns(it.end_tai_ns)))
+            .collect();
+        Span::of_sessions(&sessions, mission, attitudes.step.step)
+    }
+
+    fn named(&self, session: usize) -> String {
+        let it = &self.timeline.sessions[session];
+        format!("session {}: {} to {}", it.id, it.start_utc, it.end_utc)
+    }
+
+    fn kernels<'k>(&self, attitudes: Attitudes<'k>, spans: &'k [Span]) -> Kernels<'k> {
+        Kernels { spacecraft: self.spacecraft, attitudes, spans }
+    }
+}
+
+fn message(notation: Notation, attitudes: Attitudes<'_>) -> Message<'_> {
+    Message { notation, frame: BodyFrame::Boresight, attitudes }
+}

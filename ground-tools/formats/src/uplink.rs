@@ -1,0 +1,300 @@
+//! The container that goes on board, written and told.
+//!
+//! The layouts are the flight core's (`onboard_core::uplink`); this module only puts them together.
+
+use ephem::time::format_tdb;
+use mission::Mission;
+use onboard_core::field_of_view::FieldShape;
+use onboard_core::time::Instant;
+use onboard_core::uplink::{
+    AvoidanceRecord, Counts, DetectorRecord, ENTRY_BYTES, HEADER_BYTES, Header, MissionTable,
+    Refusal, SectionKind, SessionRecord, SetDigest, SunRecord, TableError, TelescopeRecord,
+    UplinkError, checksum, entry_to_le_bytes,
+};
+use planner::plan::Plan;
+use planner::world::{TableFault, World};
+use thiserror::Error;
+
+/// What the container's format cannot hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum TooLarge {
+    /// More bytes than its lengths can name.
+    #[error("the uplink table would take {0} bytes: it holds 4294967295")]
+    Bytes(usize),
+    /// More of something than its counts can name.
+    #[error("the uplink table cannot hold {number} {what}: it holds 65535")]
+    Count {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many.
+        number: usize,
+    },
+    /// A session's number that its record cannot hold.
+    #[error("the uplink table cannot hold the {0} of a session")]
+    Session(&'static str),
+}
+
+/// The sessions of a plan as the uplink table holds them, by start.
+///
+/// # Errors
+/// [`TooLarge`] where a number exceeds the format.
+pub fn records(world: &World, plan: &Plan) -> Result<Vec<SessionRecord>, TooLarge> {
+    let record = |&candidate: &usize| {
+        let opportunity = plan.offered.opportunity(candidate);
+        let (start, end) = plan.offered.problem.reserved(candidate);
+        let passes = plan.offered.offers.opportunities.passes(opportunity).len();
+        let too_large = TooLarge::Session;
+        Ok(SessionRecord {
+            start,
+            end,
+            first_entry: opportunity.first_entry,
+            last_exit: opportunity.last_exit,
+            body: world.targets[opportunity.target].body(),
+            turn: u32::try_from(opportunity.turn).map_err(|_| too_large("precession turn"))?,
+            telescope: u16::try_from(opportunity.telescope).map_err(|_| too_large("telescope"))?,
+            passes: u16::try_from(passes).unwrap_or(u16::MAX),
+        })
+    };
+    plan.schedule.chosen.iter().map(record).collect()
+}
+
+/// What a container is made from.
+#[derive(Debug)]
+pub struct Contents<'c> {
+    /// The mission among the planets.
+    pub world: &'c World,
+    /// The fitted ephemeris table.
+    pub ephemeris: &'c [u8],
+    /// The sessions by start; `None` leaves the plan out.
+    pub sessions: Option<&'c [SessionRecord]>,
+    /// Grows with every uplink.
+    pub sequence: u32,
+}
+
+impl Contents<'_> {
+    /// The container's bytes.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where something is too large for the format.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, TooLarge> {
+        let mission = mission_section(self.world)?;
+        let mut sections: Vec<(SectionKind, Vec<u8>)> = vec![
+            (SectionKind::Ephemeris, self.ephemeris.to_vec()),
+            (SectionKind::Mission, mission),
+        ];
+        if let Some(sessions) = self.sessions {
+            sections.push((SectionKind::Plan, plan_section(sessions)?));
+        }
+        let mut set = SetDigest::new();
+        for (_, contents) in &sections {
+            set.update(contents);
+        }
+        let carried = set.value().to_le_bytes();
+        let mut directory = Vec::new();
+        let mut offset = HEADER_BYTES + ENTRY_BYTES * sections.len();
+        for (kind, bytes) in &mut sections {
+            bytes.splice(0..0, carried);
+            directory.extend(entry_to_le_bytes(
+                *kind,
+                length(offset)?,
+                length(bytes.len())?,
+                checksum(bytes),
+            ));
+            offset += bytes.len();
+        }
+        let header = Header {
+            sequence: self.sequence,
+            valid_from: self.world.start,
+            valid_until: self.world.end,
+            mission_digest: digest(&self.world.mission),
+        };
+        let count = count("sections", sections.len())?;
+        let mut bytes = header.to_le_bytes(length(offset)?, count, checksum(&directory)).to_vec();
+        bytes.extend(directory);
+        for (_, section) in &sections {
+            bytes.extend(section);
+        }
+        Ok(bytes)
+    }
+}
+
+/// First 16 bytes of the resolved mission's SHA-256.
+#[must_use]
+pub fn digest(mission: &Mission) -> [u8; 16] {
+    let hex = mission.digest();
+    std::array::from_fn(|index| {
+        let pair = hex.get(2 * index..2 * index + 2).unwrap_or("00");
+        u8::from_str_radix(pair, 16).unwrap_or(0)
+    })
+}
+
+fn length(bytes: usize) -> Result<u32, TooLarge> {
+    u32::try_from(bytes).map_err(|_| TooLarge::Bytes(bytes))
+}
+
+fn mission_section(world: &World) -> Result<Vec<u8>, TooLarge> {
+    let mission = &world.mission;
+    let detectors = mission.telescopes.iter().map(|telescope| telescope.detectors.len()).sum();
+    let counts = Counts {
+        telescopes: count("telescopes", mission.telescopes.len())?,
+        detectors: count("detectors", detectors)?,
+        avoidance: count("avoidance limits", world.avoided.len())?,
+    };
+    let sun = world.circular_sun.map_or(SunRecord::Table, SunRecord::Circular);
+    let radius = mission.calibration.radius_rad();
+    let fixed = MissionTable::fixed_to_le_bytes(world.scan.parameters(), sun, counts, radius);
+    let mut bytes = fixed.to_vec();
+    for telescope in &mission.telescopes {
+        let circle = FieldShape::Circle(radius);
+        let record = TelescopeRecord {
+            rotation: telescope.rotation,
+            hwp: telescope.hwp,
+            field: telescope.field_of_view.map_or(circle, |field| field.shape()),
+        };
+        bytes.extend(record.to_le_bytes());
+    }
+    for (telescope, it) in (0_u16..).zip(&mission.telescopes) {
+        for named in &it.detectors {
+            let record = DetectorRecord { rotation: named.rotation, telescope };
+            bytes.extend(record.to_le_bytes());
+        }
+    }
+    for (source, angle_rad) in &world.avoided {
+        let record = AvoidanceRecord { body: source.body(), angle_rad: *angle_rad };
+        bytes.extend(record.to_le_bytes());
+    }
+    Ok(bytes)
+}
+
+fn count(what: &'static str, number: usize) -> Result<u16, TooLarge> {
+    u16::try_from(number).map_err(|_| TooLarge::Count { what, number })
+}
+
+fn plan_section(sessions: &[SessionRecord]) -> Result<Vec<u8>, TooLarge> {
+    let mut bytes = length(sessions.len())?.to_le_bytes().to_vec();
+    bytes.extend([0; 4]);
+    for session in sessions {
+        bytes.extend(session.to_le_bytes());
+    }
+    Ok(bytes)
+}
+
+/// Ticks of the sequencer in an hour, one every 10 s.
+const TICKS_OF_AN_HOUR: usize = 360;
+
+/// Telescopes whose sessions take the sequencer on board longer to check than an hour, in words.
+///
+/// A check takes two ticks at least for each detector, and as many for each avoidance limit.
+#[must_use]
+pub fn slow_checks(world: &World) -> Vec<String> {
+    let searches = 1 + world.avoided.len();
+    let telescopes = world.mission.telescopes.iter().filter_map(|telescope| {
+        let detectors = telescope.detectors.len();
+        let ticks = 2 * searches * detectors;
+        (ticks > TICKS_OF_AN_HOUR).then(|| {
+            format!(
+                "telescope {} has {detectors} detectors, all of which go on board: the sequencer's \
+                 check of one of its sessions takes at least {ticks} ticks, so check_ahead must be \
+                 longer than that, or fewer detectors selected",
+                telescope.name
+            )
+        })
+    });
+    telescopes.collect()
+}
+
+/// Why a container is refused, in words.
+#[must_use]
+pub fn told(error: UplinkError) -> String {
+    match error {
+        UplinkError::Truncated(needed) => {
+            format!("it is cut short: at least {needed} bytes are needed")
+        }
+        UplinkError::NotAContainer => {
+            "it is not an uplink table: its first 8 bytes are not GYRFALCN".to_owned()
+        }
+        UplinkError::Version(found) => format!(
+            "its format version is {found}: version {} is needed; build it again with gyrfalcon \
+             table build",
+            onboard_core::uplink::VERSION
+        ),
+        UplinkError::HeaderCrc => "it is damaged: the header's CRC does not match".to_owned(),
+        UplinkError::DirectoryCrc => "it is damaged: the directory's CRC does not match".to_owned(),
+        UplinkError::BadDirectory => {
+            "its directory contradicts itself in counts, offsets or lengths".to_owned()
+        }
+        UplinkError::TooLong => "bytes follow its end".to_owned(),
+        UplinkError::SectionCrc(kind) => {
+            format!("it is damaged: the CRC of section {} does not match", section_name(kind))
+        }
+        UplinkError::MixedSet(kind) => format!(
+            "its sections come from different sets: section {} carries another set's digest",
+            section_name(kind)
+        ),
+        UplinkError::NoSuchSection(kind) => {
+            format!("it has no section {}", section_name(kind.number()))
+        }
+    }
+}
+
+/// Why the flight core refuses a container's contents, in words.
+#[must_use]
+pub fn contents_told(error: TableError) -> String {
+    match error {
+        TableError::Container(error) => told(error),
+        TableError::Ephemeris(error) => TableFault(error).to_string(),
+        TableError::Mission(error) => format!("its mission is refused: {error:?}"),
+        TableError::Plan(error) => format!("its plan is refused: {error:?}"),
+        TableError::Coverage(body) => {
+            format!("body {body} of its ephemeris does not cover its validity")
+        }
+        TableError::SessionOutside(index) => {
+            format!("session {index} of its plan lies outside its validity")
+        }
+        TableError::SessionTelescope(index) => {
+            format!("session {index} of its plan names a telescope that its mission does not have")
+        }
+    }
+}
+
+/// Why a spacecraft would refuse a container, in words.
+#[must_use]
+pub fn refusal_told(refusal: Refusal) -> String {
+    match refusal {
+        Refusal::Unsound(error) => contents_told(error),
+        Refusal::Expired(until) => format!("its validity ends at {} TDB", format_tdb(until)),
+        Refusal::NotYetValid(from) => format!("its validity begins at {} TDB", format_tdb(from)),
+        Refusal::Older { candidate, newest } => format!(
+            "its sequence number {candidate} is not above {newest}: build it with --sequence {} or \
+             above",
+            u64::from(newest) + 1
+        ),
+        Refusal::TooLong(room, needed) => {
+            format!("it takes {needed} bytes where the slot has {room}")
+        }
+        Refusal::OrderExpired(until) => {
+            format!("the order could be carried out until {} TDB", format_tdb(until))
+        }
+        Refusal::NotActive(active) => format!("the active container has sequence number {active}"),
+        Refusal::NothingToReturnTo => {
+            "the other slot does not hold the container to return to".to_owned()
+        }
+    }
+}
+
+/// A section's name by its kind's number.
+#[must_use]
+pub fn section_name(kind: u16) -> String {
+    match kind {
+        1 => "ephemeris".to_owned(),
+        2 => "mission".to_owned(),
+        3 => "plan".to_owned(),
+        other => format!("of kind {other}"),
+    }
+}
+
+/// A span of time in words.
+#[must_use]
+pub fn span_told(from: Instant, until: Instant) -> String {
+    format!("{} to {} TDB", format_tdb(from), format_tdb(until))
+}

@@ -1,0 +1,260 @@
+//! What must flight code compute: the flight core's own answers, to the bit.
+//!
+//! A [`VectorSet`] holds lines of sight, what each of them does at each instant, and the transits of
+//! the targets through them. Frames, signs and units are the core's (`docs/conventions.md`): angles
+//! in radians, times in integer ns, phases as binary fractions of a turn.
+//!
+//! Method: calls of the core; no arithmetic of its own.
+//!
+//! Limits: the Sun's direction comes from a table; each vector states the one used, so that the
+//! attitude can be tested apart from the table.
+
+pub mod c_header;
+
+use onboard_core::attitude::sweep;
+use onboard_core::ephemeris::EphemerisTable;
+use onboard_core::hwp::hwp_phase;
+use onboard_core::phase::Phase;
+use onboard_core::time::{Duration, Instant};
+use planner::opportunities::{Found, OffersError, SightLine, search};
+use planner::world::{TableFault, World};
+use serde::{Serialize, Serializer};
+use thiserror::Error;
+
+/// The columns of [`Vector`].
+pub const VECTOR_COLUMNS: [&str; 23] = [
+    "kind",
+    "telescope",
+    "detector",
+    "tai_ns",
+    "elapsed_ns",
+    "sun_x",
+    "sun_y",
+    "sun_z",
+    "q_x",
+    "q_y",
+    "q_z",
+    "q_w",
+    "x",
+    "y",
+    "z",
+    "psi_rad",
+    "zeta_rad",
+    "scan_speed_rad_s",
+    "precession_phase",
+    "spin_phase",
+    "hwp_phase",
+    "precession_count",
+    "spin_count",
+];
+
+/// The columns of [`TransitVector`].
+pub const TRANSIT_COLUMNS: [&str; 11] = [
+    "kind",
+    "target",
+    "body",
+    "telescope",
+    "detector",
+    "entry_tai_ns",
+    "exit_tai_ns",
+    "closest_tai_ns",
+    "min_separation_rad",
+    "entry_clipped",
+    "exit_clipped",
+];
+
+/// Why a table serves no vectors.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum VectorsError {
+    /// It lacks a target.
+    #[error("the table has no {target}: a table with it is needed")]
+    NoSuchBody {
+        /// The target.
+        target: String,
+    },
+    /// It does not hold the Sun, or not at all instants.
+    #[error(transparent)]
+    Table(#[from] TableFault),
+    /// Its transits cannot be found.
+    #[error(transparent)]
+    Offers(#[from] OffersError),
+}
+
+/// What one line of sight does at one instant.
+#[derive(Debug, Clone, Serialize)]
+pub struct Vector<'w> {
+    /// `vector`.
+    pub kind: &'static str,
+    /// Telescope's name, or `-`.
+    pub telescope: &'w str,
+    /// Detector's name, or `-`.
+    pub detector: &'w str,
+    /// The instant, ns of TAI since 2000-01-01T12:00:00 TAI.
+    pub tai_ns: i64,
+    /// ns of TAI since the mission's start.
+    pub elapsed_ns: i64,
+    /// Sun to spacecraft, ecliptic unit vector.
+    pub sun_x: f64,
+    /// Its y.
+    pub sun_y: f64,
+    /// Its z.
+    pub sun_z: f64,
+    /// Detector frame to ecliptic, scalar last, `q_w` >= 0.
+    pub q_x: f64,
+    /// Its y.
+    pub q_y: f64,
+    /// Its z.
+    pub q_z: f64,
+    /// Its scalar.
+    pub q_w: f64,
+    /// Line of sight, ecliptic unit vector.
+    pub x: f64,
+    /// Its y.
+    pub y: f64,
+    /// Its z.
+    pub z: f64,
+    /// Crossing angle.
+    pub psi_rad: f64,
+    /// Scan-beam angle.
+    pub zeta_rad: f64,
+    /// Speed of the line of sight on the sky.
+    pub scan_speed_rad_s: f64,
+    /// Precession phase.
+    pub precession_phase: Turns,
+    /// Spin phase.
+    pub spin_phase: Turns,
+    /// Half-wave plate's phase, where there is a plate.
+    pub hwp_phase: Option<Turns>,
+    /// Completed precession turns since the start.
+    pub precession_count: u64,
+    /// Completed spin turns since the start.
+    pub spin_count: u64,
+}
+
+/// One transit.
+#[derive(Debug, Clone, Serialize)]
+pub struct TransitVector<'w> {
+    /// `transit`.
+    pub kind: &'static str,
+    /// Target's name.
+    pub target: &'w str,
+    /// Its number in the table.
+    pub body: i32,
+    /// Telescope's name, or `-`.
+    pub telescope: &'w str,
+    /// Detector's name, or `-`.
+    pub detector: &'w str,
+    /// First instant inside.
+    pub entry_tai_ns: i64,
+    /// Last instant inside.
+    pub exit_tai_ns: i64,
+    /// Instant of smallest separation.
+    pub closest_tai_ns: i64,
+    /// The separation there.
+    pub min_separation_rad: f64,
+    /// Inside already at the mission's start.
+    pub entry_clipped: bool,
+    /// Still inside at the mission's end.
+    pub exit_clipped: bool,
+}
+
+/// A phase, written as its 64 bits in hexadecimal digits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Turns(pub Phase);
+
+impl Serialize for Turns {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&format_args!("{:#018x}", self.0.bits()))
+    }
+}
+
+/// Vectors and transits of a mission.
+#[derive(Debug)]
+pub struct VectorSet<'w> {
+    /// The mission among the planets.
+    pub world: &'w World,
+    /// The lines of sight.
+    pub lines: &'w [SightLine],
+    /// By instant, then line of sight.
+    pub vectors: Vec<Vector<'w>>,
+    /// By entry, then target, then line of sight.
+    pub transits: Vec<TransitVector<'w>>,
+}
+
+impl<'w> VectorSet<'w> {
+    /// What the flight core answers on this table.
+    ///
+    /// # Errors
+    /// [`VectorsError`] where the table lacks a body or an instant.
+    pub fn new(
+        world: &'w World,
+        table: EphemerisTable<'_>,
+        lines: &'w [SightLine],
+        times: impl Iterator<Item = Duration>,
+    ) -> Result<Self, VectorsError> {
+        let sun = world.sun(table)?;
+        if let Some(source) = world.targets.iter().find(|it| table.body(it.body()).is_err()) {
+            return Err(VectorsError::NoSuchBody { target: source.name().to_owned() });
+        }
+        let mut vectors = Vec::new();
+        for elapsed in times {
+            let at = world.start.plus(elapsed);
+            let anti_sun = sun.state(world.start, at).map_err(TableFault)?;
+            let (precession, spin) = world.scan.phases(at);
+            let (precession_count, spin_count) = world.scan.turns(at);
+            for line in lines {
+                let seen = sweep(&world.scan, &sun, line.rotation, at).map_err(TableFault)?;
+                let [sun_x, sun_y, sun_z] = anti_sun.direction.xyz();
+                let [q_x, q_y, q_z, q_w] = seen.attitude.to_xyzw();
+                let [x, y, z] = seen.direction.xyz();
+                vectors.push(Vector {
+                    kind: "vector",
+                    telescope: &line.telescope_name,
+                    detector: &line.detector_name,
+                    tai_ns: at.tai_ns(),
+                    elapsed_ns: elapsed.ns(),
+                    sun_x,
+                    sun_y,
+                    sun_z,
+                    q_x,
+                    q_y,
+                    q_z,
+                    q_w,
+                    x,
+                    y,
+                    z,
+                    psi_rad: seen.crossing_angle_rad,
+                    zeta_rad: seen.scan_beam_angle_rad,
+                    scan_speed_rad_s: seen.speed_rad_s,
+                    precession_phase: Turns(precession),
+                    spin_phase: Turns(spin),
+                    hwp_phase: line.hwp.map(|plate| Turns(hwp_phase(&world.scan, plate, at))),
+                    precession_count,
+                    spin_count,
+                });
+            }
+        }
+        let found = search(world, table, lines)?;
+        let transits = found.iter().map(|it| transit(world, lines, it)).collect();
+        Ok(Self { world, lines, vectors, transits })
+    }
+}
+
+fn transit<'w>(world: &'w World, lines: &'w [SightLine], found: &Found) -> TransitVector<'w> {
+    let Found { target, line, transit } = found;
+    let (source, line) = (&world.targets[*target], &lines[*line]);
+    let ns = |at: Instant| at.tai_ns();
+    TransitVector {
+        kind: "transit",
+        target: source.name(),
+        body: source.body(),
+        telescope: &line.telescope_name,
+        detector: &line.detector_name,
+        entry_tai_ns: ns(transit.entry),
+        exit_tai_ns: ns(transit.exit),
+        closest_tai_ns: ns(transit.closest),
+        min_separation_rad: transit.min_separation_rad,
+        entry_clipped: transit.entry_clipped,
+        exit_clipped: transit.exit_clipped,
+    }
+}

@@ -1,0 +1,303 @@
+//! `gyrfalcon visits`: how often places are visited, for how long, and when again.
+//!
+//! Targets and directions are visited as `transits` has it: inside the circle about the line of sight,
+//! or inside a telescope's field of view. A pixel is visited by the line of sight itself (of a
+//! telescope without listed detectors, its centre).
+
+mod figures;
+
+use super::{mission, print_json, sink, tell};
+use crate::cli::places::{FixedPlace, Numbering, PlaceShape, direction};
+use crate::cli::{Format, SharedArgs, VisitsArgs};
+use crate::failure::Failure;
+use crate::output::Sink;
+use crate::picture::write_figures;
+use ephem::time::format_tdb;
+use figures::Setting;
+use formats::rows::{self, Layout};
+use formats::visits::{Mark, Report, marks, text};
+use mission::number::Number;
+use mission::quantity;
+use num_traits::{Signed, ToPrimitive, Zero};
+use onboard_core::ephemeris::EphemerisTable;
+use onboard_core::time::{Duration, Instant};
+use planner::opportunities::search;
+use planner::opportunities::{SightLine, select};
+use planner::provenance::Provenance;
+use planner::survey::frame::MapFrame;
+use planner::visits::Visit;
+use planner::visits::counting::{Counting, Sampling, Wait, sampled, waits};
+use planner::visits::crossing::LineOfSight;
+use planner::visits::statistics::VisitStatistics;
+use planner::world::World;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt::Write;
+use std::num::NonZeroU64;
+
+const COLUMNS: [&str; 11] = [
+    "target",
+    "telescope",
+    "detector",
+    "entry_tdb",
+    "exit_tdb",
+    "entry_tai_ns",
+    "exit_tai_ns",
+    "dwell_s",
+    "revisit_s",
+    "gap_s",
+    "clipped",
+];
+
+#[derive(Serialize)]
+struct Row<'v> {
+    target: &'v str,
+    telescope: &'v str,
+    detector: &'v str,
+    entry_tdb: String,
+    exit_tdb: String,
+    entry_tai_ns: i64,
+    exit_tai_ns: i64,
+    dwell_s: f64,
+    revisit_s: Option<f64>,
+    gap_s: Option<f64>,
+    clipped: &'static str,
+}
+
+/// All that the verb tells, and all that its figures need.
+#[derive(Serialize)]
+struct Summary<'p> {
+    /// `crossings` or `samples`.
+    counting: &'static str,
+    /// Sampling rate in Hz, where samples are counted.
+    rate_hz: Option<f64>,
+    marks: Vec<Mark>,
+    places: Vec<Report>,
+    /// Figures' files.
+    figures: Vec<String>,
+    provenance: &'p Provenance,
+}
+
+/// The visits of one place through one line of sight.
+struct Visited<'v> {
+    name: &'v str,
+    line: &'v SightLine,
+    visits: Vec<Visit>,
+}
+
+pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Failure> {
+    let places = places(arguments)?;
+    let mut world = World::open(mission(shared)?, shared.ephemeris.as_deref())?;
+    let rate = arguments.sampled.then(|| rate(arguments, &world)).transpose()?;
+    if arguments.target.is_empty() && !places.is_empty() {
+        world.targets.clear();
+    } else {
+        world.keep_targets(&arguments.target)?;
+    }
+    let lines =
+        select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
+    let drawn = arguments.png.is_some() || arguments.svg.is_some();
+    if drawn {
+        figures::check(world.targets.len() + places.len(), lines.len())?;
+    }
+    let tables = world.tables(&world.ground_options())?;
+    let table = tables.parse()?;
+
+    let mut found = target_visits(&world, table, &lines)?;
+    found.extend(place_visits(&world, table, &lines, &places)?);
+    if let Some((_, rate_hz)) = rate {
+        let sampling = Sampling { start: world.start, rate_hz };
+        for it in &mut found {
+            it.visits = sampled(&it.visits, &sampling);
+        }
+    }
+    let counting = if rate.is_some() { Counting::Samples } else { Counting::Crossings };
+    let provenance = Provenance::of(&world);
+    write_rows(shared, &found, counting, &provenance)?;
+
+    let span = world.end.since(world.start);
+    let reports: Vec<Report> = found
+        .iter()
+        .map(|it| {
+            let statistics = VisitStatistics::of(&it.visits, counting, span);
+            Report::new(it.name, (&it.line.telescope_name, &it.line.detector_name), &statistics)
+        })
+        .collect();
+    let rate_hz = rate.map(|(rate_hz, _)| rate_hz);
+    let counted = match rate_hz {
+        None => "by crossings".to_owned(),
+        Some(rate_hz) => format!("by samples at {rate_hz} Hz"),
+    };
+    let counted = format!("{counted}, {} to {} TDB", date(world.start), date(world.end));
+    let marks = marks(&world);
+    let figures = if drawn {
+        let setting = Setting { mission: &world.mission.name, counted: &counted, marks: &marks };
+        write_figures(
+            [arguments.png.as_deref(), arguments.svg.as_deref()],
+            &figures::figures(&setting, &reports)?,
+        )?
+    } else {
+        Vec::new()
+    };
+    let summary = Summary {
+        counting: if rate.is_some() { "samples" } else { "crossings" },
+        rate_hz,
+        marks,
+        places: reports,
+        figures,
+        provenance: &provenance,
+    };
+    if shared.json {
+        print_json(&summary)
+    } else if shared.out.is_some() && sink(shared) == Sink::Stdout {
+        Ok(())
+    } else {
+        let title = format!("{}: visits {counted}", world.mission.name);
+        let mut text = text(&title, &summary.marks, &summary.places);
+        if !summary.figures.is_empty() {
+            let _ = write!(text, "\nFigures written:\n{}\n", summary.figures.join("\n"));
+        }
+        tell(shared, &text)
+    }
+}
+
+fn date(at: Instant) -> String {
+    let text = format_tdb(at);
+    text.get(..10).unwrap_or(&text).to_owned()
+}
+
+/// The pixels and directions named, in the order of the options.
+fn places(arguments: &VisitsArgs) -> Result<Vec<FixedPlace>, Failure> {
+    let frame = if arguments.galactic { MapFrame::Galactic } else { MapFrame::Ecliptic };
+    let numbering = Numbering::new(arguments.nside, arguments.nested, frame)?;
+    let mut places = Vec::new();
+    if arguments.paper_pixels {
+        places.extend(numbering.of_the_paper());
+    }
+    for number in &arguments.pixel {
+        places.push(numbering.pixel(*number)?);
+    }
+    for text in &arguments.theta_phi {
+        places.push(numbering.holding(text)?);
+    }
+    for text in &arguments.direction {
+        places.push(direction(text, frame)?);
+    }
+    Ok(places)
+}
+
+/// The sampling rate in Hz, and as a ratio.
+fn rate(arguments: &VisitsArgs, world: &World) -> Result<(f64, (NonZeroU64, NonZeroU64)), Failure> {
+    let number: Number = match &arguments.rate {
+        None => world.mission.scan.sampling_rate_hz.clone(),
+        Some(text) => {
+            quantity::hertz(text).map_err(|error| Failure::Input(format!("--rate: {error}")))?
+        }
+    };
+    let exact = number.exact();
+    if exact.is_negative() || exact.is_zero() {
+        return Err(Failure::Input(format!("--rate {number}: a rate above 0 Hz is needed")));
+    }
+    let part = |part: &num_bigint::BigInt| part.to_u64().and_then(NonZeroU64::new);
+    match (part(exact.numer()), part(exact.denom())) {
+        (Some(above), Some(below)) => Ok((number.to_f64(), (above, below))),
+        _ => Err(Failure::Input(format!(
+            "--rate {number}: a rate that is a ratio of numbers below 2^64 is needed"
+        ))),
+    }
+}
+
+/// The targets' visits: their transits, target by target, line by line.
+fn target_visits<'v>(
+    world: &'v World,
+    table: EphemerisTable<'_>,
+    lines: &'v [SightLine],
+) -> Result<Vec<Visited<'v>>, Failure> {
+    let mut visited: Vec<Visited<'v>> = world
+        .targets
+        .iter()
+        .flat_map(|target| lines.iter().map(move |line| (target.name(), line)))
+        .map(|(name, line)| Visited { name, line, visits: Vec::new() })
+        .collect();
+    for it in search(world, table, lines)? {
+        visited[it.target * lines.len() + it.line].visits.push(Visit::from(&it.transit));
+    }
+    Ok(visited)
+}
+
+/// The visits of pixels and directions, place by place, line by line.
+fn place_visits<'v>(
+    world: &'v World,
+    table: EphemerisTable<'_>,
+    lines: &'v [SightLine],
+    places: &'v [FixedPlace],
+) -> Result<Vec<Visited<'v>>, Failure> {
+    let sun = world.sun(table)?;
+    let pairs: Vec<(&FixedPlace, &SightLine)> =
+        places.iter().flat_map(|place| lines.iter().map(move |line| (place, line))).collect();
+    pairs
+        .par_iter()
+        .map(|&(place, line)| {
+            let sight = LineOfSight {
+                scan: &world.scan,
+                sun,
+                detector: line.rotation,
+                ends: (world.start, world.end),
+            };
+            let visits = match place.shape {
+                PlaceShape::Pixel(pixel) => sight.pixel_visits(&pixel),
+                PlaceShape::Direction(there) => sight.field_visits(there, &line.field),
+            };
+            let visits = visits
+                .map_err(|error| Failure::internal(format!("visits of {}: {error}", place.name)))?;
+            Ok(Visited { name: &place.name, line, visits })
+        })
+        .collect()
+}
+
+/// Rows go to `--out`, ordered by entry, then as the places are.
+fn write_rows(
+    shared: &SharedArgs,
+    found: &[Visited<'_>],
+    counting: Counting,
+    provenance: &Provenance,
+) -> Result<(), Failure> {
+    let format = shared.format.unwrap_or(Format::Csv).of_rows()?;
+    let sink = sink(shared);
+    if shared.out.is_none() || (shared.json && sink == Sink::Stdout) {
+        return Ok(());
+    }
+    let mut rows: Vec<(usize, Visit, Wait)> = Vec::new();
+    for (index, it) in found.iter().enumerate() {
+        let waits = waits(&it.visits, counting);
+        rows.extend(it.visits.iter().zip(waits).map(|(visit, wait)| (index, *visit, wait)));
+    }
+    rows.sort_by_key(|(index, visit, _)| (visit.entry, *index));
+    let rows = rows
+        .into_iter()
+        .map(|(index, visit, wait)| Ok::<_, Failure>(row(&found[index], visit, wait)));
+    let layout = Layout { format, provenance, header: &COLUMNS };
+    sink.write_with(|out| rows::write(out, rows, &layout))?;
+    Ok(())
+}
+
+fn row<'v>(it: &Visited<'v>, visit: Visit, wait: Wait) -> Row<'v> {
+    Row {
+        target: it.name,
+        telescope: &it.line.telescope_name,
+        detector: &it.line.detector_name,
+        entry_tdb: format_tdb(visit.entry),
+        exit_tdb: format_tdb(visit.exit),
+        entry_tai_ns: visit.entry.tai_ns(),
+        exit_tai_ns: visit.exit.tai_ns(),
+        dwell_s: visit.dwell().seconds(),
+        revisit_s: wait.revisit.map(Duration::seconds),
+        gap_s: wait.gap.map(Duration::seconds),
+        clipped: match (visit.entry_clipped, visit.exit_clipped) {
+            (false, false) => "",
+            (true, false) => "entry",
+            (false, true) => "exit",
+            (true, true) => "both",
+        },
+    }
+}

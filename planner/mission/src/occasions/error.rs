@@ -1,0 +1,109 @@
+//! Why a file of contacts or blackouts is refused.
+
+use super::calendar::CalendarError;
+use ephem::time::{TimeError, format_utc};
+use onboard_core::time::Instant;
+use std::fmt;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// A file of contacts or blackouts that is refused.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OccasionError {
+    /// The file.
+    pub path: PathBuf,
+    /// Its line, from 1; an event of a calendar has none.
+    pub line: Option<u64>,
+    /// What is wrong.
+    pub fault: Box<OccasionFault>,
+}
+
+/// What is wrong with a file of contacts or blackouts.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum OccasionFault {
+    /// It cannot be read.
+    #[error("{reason}")]
+    Unreadable {
+        /// What the system said.
+        reason: String,
+    },
+    /// It is not a CSV.
+    #[error("{reason}")]
+    Csv {
+        /// What the reader said.
+        reason: String,
+    },
+    /// Its header lacks a column.
+    #[error("the header is {found}: {needed} is needed")]
+    Header {
+        /// The header.
+        found: String,
+        /// The columns that are needed.
+        needed: String,
+    },
+    /// A cell is no time.
+    #[error("{column}: {error}")]
+    Time {
+        /// The column.
+        column: String,
+        /// What is wrong with it.
+        error: TimeError,
+    },
+    /// A span ends before it begins.
+    #[error("the end {end} does not come after the start {start}")]
+    Reversed {
+        /// The start as written.
+        start: String,
+        /// The end as written.
+        end: String,
+    },
+    /// A rate that is none.
+    #[error("bit_s is {value}: a rate from 0 to 1e18 is needed")]
+    Rate {
+        /// The rate as written.
+        value: String,
+    },
+    /// A contact begins before the one before it ends.
+    #[error("the contact from {} overlaps the one before it", format_utc(*from))]
+    Overlap {
+        /// The second contact's start.
+        from: Instant,
+    },
+    /// A calendar that cannot be used.
+    #[error(transparent)]
+    Calendar(CalendarError),
+    /// A blackout that does not touch the mission.
+    #[error(
+        "the blackout from {} to {} lies outside the mission, {} to {}",
+        format_utc(blackout.0), format_utc(blackout.1),
+        format_utc(mission.0), format_utc(mission.1)
+    )]
+    Outside {
+        /// The blackout's start and end.
+        blackout: (Instant, Instant),
+        /// The mission's.
+        mission: (Instant, Instant),
+    },
+}
+
+impl fmt::Display for OccasionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.path.display();
+        match (&*self.fault, self.line) {
+            (fault @ OccasionFault::Unreadable { .. }, _) => {
+                write!(f, "cannot read {path}: {fault}")
+            }
+            (fault, Some(line)) => write!(f, "{path}, line {line}: {fault}"),
+            (fault, None) => write!(f, "{path}: {fault}"),
+        }
+    }
+}
+
+impl std::error::Error for OccasionError {}
+
+impl OccasionFault {
+    /// The fault of a file, at a line where it has one.
+    pub(super) fn of(self, path: impl Into<PathBuf>, line: Option<u64>) -> OccasionError {
+        OccasionError { path: path.into(), line, fault: Box::new(self) }
+    }
+}
