@@ -14,10 +14,9 @@ use ephem::trajectory::Trajectory;
 use onboard_core::phase::Rotor;
 use onboard_core::time::Duration;
 use planner::healpix::Nside;
-use planner::resonance::motion::YEAR_S;
 use planner::resonance::{
     Certificate, CertificateError, Choice, Crosslink, Demand, Motion, Orbit, Predictor,
-    Recommendation, Tolerance, Window, Worst,
+    Recommendation, Tolerance, Window, Worst, YEAR_S,
 };
 use serde_json::{Value, json};
 use std::fmt::Write;

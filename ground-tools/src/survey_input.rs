@@ -1,32 +1,28 @@
-//! A mission as a survey takes it: everything in turns per sample, exactly.
+//! A mission as a survey takes it: periods, rates and the sampling rate as the rationals of its text.
 //!
-//! Periods, rates and the sampling rate are rationals of the mission's text; each ratio is rounded
-//! once, so sample j lies at exactly j / `f_s` whatever the rates are.
+//! The survey rounds each of them once, so sample j lies at exactly j / `f_s` whatever the rates are.
 
 use crate::failure::Failure;
 use crate::mission::Mission;
 use crate::number::Number;
-use crate::rounding;
 use crate::sightline::SightLine;
 use crate::world::World;
-use num_bigint::BigInt;
 use num_rational::BigRational;
-use num_traits::{Signed, ToPrimitive};
 use onboard_core::phase::Rotor;
-use planner::survey::{SampledScan, SurveyDetector};
+use onboard_core::time::Duration;
+use planner::survey::{ExactRotor, SampledScan, SamplingError, SurveyDetector};
 
 /// What a survey needs of a mission.
 #[derive(Debug, Clone)]
 pub struct SurveyInput {
-    /// The strategy on the clock of samples.
+    /// The strategy and the rate of its samples.
     pub scan: SampledScan,
-    /// The anti-Sun longitude in turns per sample, where the mission has the circular Sun.
-    pub circular_sun: Option<Rotor>,
+    /// The anti-Sun longitude, where the mission has the circular Sun.
+    pub circular_sun: Option<ExactRotor>,
     /// Who looks.
     pub detectors: Vec<SurveyDetector>,
     /// Samples of each detector: those before the mission's end.
     pub samples: u64,
-    rate: BigRational,
 }
 
 impl SurveyInput {
@@ -37,72 +33,63 @@ impl SurveyInput {
     /// or more between samples.
     pub fn new(world: &World, lines: &[SightLine], rate: &Number) -> Result<Self, Failure> {
         let scan = &world.mission.scan;
-        let hz = rate.exact();
-        if !hz.is_positive() {
-            return Err(Failure::Input(format!("--rate {rate}: a rate above 0 Hz is needed")));
-        }
-        let turns = |period: &Number, rotor: Rotor| {
-            let sign = if rotor.rate.is_negative() { -1 } else { 1 };
-            period.times(sign * 60, 1).recip()
+        // Where one turn takes no time there is no rate; a mission's periods are above zero.
+        let turning = |period: &Number, rotor: Rotor| {
+            ExactRotor::with_period(&period.times(sign(rotor) * 60, 1), rotor.start)
+                .ok_or_else(|| Failure::internal("a period of zero"))
         };
-        let spin = turns(&scan.spin_period_min, scan.spin);
-        let precession = turns(&scan.precession_period_min, scan.precession);
-        let fastest = if spin.abs() > precession.abs() { spin.abs() } else { precession.abs() };
-        if &fastest * BigRational::from_integer(2.into()) >= *hz {
-            return Err(Failure::Input(format!(
-                "--rate {rate}: more than two samples per turn are needed, above {} Hz",
-                fastest.to_f64().unwrap_or(f64::NAN) * 2.0
-            )));
-        }
-        let period = rounding::sampling_period(hz).ok_or_else(|| {
-            Failure::Input(format!("--rate {rate}: a rate from 1e-9 to 1e18 Hz is needed"))
-        })?;
-        let on_samples = |turns: &BigRational, rotor: Rotor| Rotor {
-            rate: rounding::turns_per_sample(turns, hz),
-            start: rotor.start,
+        let scan = SampledScan {
+            start: world.start,
+            sampling_hz: rate.exact().clone(),
+            alpha_rad: scan.alpha_rad,
+            beta_rad: scan.beta_rad,
+            precession: turning(&scan.precession_period_min, scan.precession)?,
+            spin: turning(&scan.spin_period_min, scan.spin)?,
         };
-        let year = BigRational::new(BigInt::from(1), crate::mission::orbit::CIRCULAR_YEAR_S.into());
+        scan.check().map_err(|error| refused(rate, error))?;
+        let year = BigRational::from_integer(crate::mission::orbit::CIRCULAR_YEAR_S.into());
+        let circular_sun =
+            world.circular_sun.and_then(|sun| ExactRotor::with_period(&year, sun.start));
         let detectors = lines
             .iter()
             .map(|line| SurveyDetector {
                 rotation: line.rotation,
-                plate: line.hwp.and_then(|plate| {
-                    Some(on_samples(&plate_turns(&world.mission, plate)?, plate))
-                }),
+                plate: line.hwp.and_then(|plate| exact_plate(&world.mission, plate)),
+                polarisation_rad: line.polarisation_rad,
             })
             .collect();
-        let samples = samples_before(world.mission.span.duration.ns(), hz);
-        Ok(Self {
-            scan: SampledScan {
-                start: world.start,
-                period,
-                alpha_rad: scan.alpha_rad,
-                beta_rad: scan.beta_rad,
-                precession: on_samples(&precession, scan.precession),
-                spin: on_samples(&spin, scan.spin),
-            },
-            circular_sun: world.circular_sun.map(|sun| on_samples(&year, sun)),
-            detectors,
-            samples,
-            rate: hz.clone(),
-        })
+        let samples = scan.samples_before(world.mission.span.duration);
+        Ok(Self { scan, circular_sun, detectors, samples })
     }
 
     /// Samples taken before `elapsed_ns` after the start.
     #[must_use]
     pub fn samples_before(&self, elapsed_ns: i64) -> u64 {
-        samples_before(elapsed_ns, &self.rate)
+        self.scan.samples_before(Duration::from_ns(elapsed_ns))
     }
 }
 
-fn samples_before(elapsed_ns: i64, hz: &BigRational) -> u64 {
-    let samples = BigRational::new(elapsed_ns.into(), 1_000_000_000.into()) * hz;
-    samples.ceil().to_integer().to_u64().unwrap_or(0)
+fn refused(rate: &Number, error: SamplingError) -> Failure {
+    Failure::Input(match error {
+        SamplingError::NotPositive { .. } => {
+            format!("--rate {rate}: a rate above 0 Hz is needed")
+        }
+        SamplingError::TooSlow { least_hz, .. } => format!(
+            "--rate {rate}: more than two samples per turn are needed, above {least_hz} Hz"
+        ),
+        SamplingError::OutOfRange { .. } => {
+            format!("--rate {rate}: a rate from 1e-9 to 1e18 Hz is needed")
+        }
+    })
 }
 
-/// Turns per second of a plate, with its sign, from the text of the telescope that has it.
-fn plate_turns(mission: &Mission, plate: Rotor) -> Option<BigRational> {
+fn sign(rotor: Rotor) -> i64 {
+    if rotor.rate.is_negative() { -1 } else { 1 }
+}
+
+/// A plate with its sense, from the text of the telescope that has it.
+fn exact_plate(mission: &Mission, plate: Rotor) -> Option<ExactRotor> {
     let telescope = mission.telescopes.iter().find(|it| it.hwp == Some(plate))?;
-    let sign = if plate.rate.is_negative() { -1 } else { 1 };
-    Some(telescope.hwp_rate_rpm.as_ref()?.times(sign, 60))
+    let turns_per_s = telescope.hwp_rate_rpm.as_ref()?.times(sign(plate), 60);
+    Some(ExactRotor { turns_per_s, start: plate.start })
 }

@@ -6,8 +6,7 @@
 use crate::world::World;
 use ephem::time::format_tdb;
 use onboard_core::visits::Spacing;
-use planner::visits::histogram::Histogram;
-use planner::visits::statistics::{Gap, Spans, Spread, VisitStatistics};
+use planner::visits::{Gap, Histogram, Spans, Spread, VisitStatistics};
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -12,9 +12,7 @@ use crate::passes::search;
 use crate::sightline::boresight;
 use crate::visit_report::{marks, span};
 use maud::{Markup, PreEscaped, html};
-use planner::visits::Visit;
-use planner::visits::counting::Counting;
-use planner::visits::statistics::VisitStatistics;
+use planner::visits::{Counting, Visit, VisitStatistics};
 use std::fmt::Write;
 
 /// Parts of the mission in which visits are counted.

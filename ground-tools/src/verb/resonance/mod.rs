@@ -16,8 +16,9 @@ use crate::resonance_check::{Checked, ResonanceCheck, minutes};
 use crate::resonance_figure::{Point, figure};
 use crate::world::World;
 use options::{Actuators, Periods};
-use planner::resonance::actuator::tolerance_after;
-use planner::resonance::{CertificateError, Choice, Crosslink, Recommendation, Tolerance};
+use planner::resonance::{
+    CertificateError, Choice, Crosslink, Recommendation, Tolerance, tolerance_after,
+};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -323,7 +324,7 @@ impl Report<'_> {
 
 fn row(choice: &Choice) -> String {
     let Choice { precession_period_s, spin_period_s, certificate, tolerances_survived } = choice;
-    let most = planner::resonance::recommendation::MOST_TOLERANCES;
+    let most = planner::resonance::MOST_TOLERANCES;
     let more = if *tolerances_survived > 0.98 * most { ">" } else { "" };
     format!(
         "{:>12.4} {:>10.4} {:>10.6} {:>6.2} % {:>10}",

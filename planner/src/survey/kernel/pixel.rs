@@ -142,7 +142,7 @@ fn spread(x: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::lanes::quarter_turns;
+    use super::super::lanes::quarter_turns;
     use proptest::prelude::*;
 
     proptest! {
