@@ -16,7 +16,6 @@ use mission::occasions::OccasionError;
 use planner::opportunities::{OffersError, SightError};
 use planner::plan::{Asked, DemandError, PlanError, RevisionError};
 use planner::resonance::check::CheckError;
-use planner::survey::input::SurveyInputError;
 use planner::world::{TableFault, WorldError};
 use planner::worth::WorthError;
 use std::fmt::Display;
@@ -185,12 +184,6 @@ impl From<CheckError> for Failure {
             CheckError::Sky(_) | CheckError::Certificate(_) => Self::input(error),
             CheckError::Nside(_) | CheckError::Window(_) => Self::internal(error),
         }
-    }
-}
-
-impl From<SurveyInputError> for Failure {
-    fn from(error: SurveyInputError) -> Self {
-        Self::Input(format!("--{error}"))
     }
 }
 

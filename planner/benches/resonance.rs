@@ -6,18 +6,15 @@
 
 #![expect(clippy::print_stdout, reason = "a bench tells")]
 
-use onboard_core::frame::{Boresight, Detector};
-use onboard_core::phase::{Phase, Rotor};
-use onboard_core::rotation::Rotation;
+use onboard_core::phase::Phase;
 use onboard_core::time::Instant as Epoch;
 use planner::healpix::Nside;
+use planner::progress::Quietly;
 use planner::resonance::{Motion, Orbit, Predictor, Tolerance, Window};
-use planner::survey::clock::turns_per_sample;
 use planner::survey::{
-    Collector, Isa, MapFrame, Moment, Progress, SampledScan, SunSource, Survey, SurveyDetector,
+    BigRational, ExactRotor, MapFrame, Moment, SampledScan, SunSource, Survey, SurveyDetector,
     SurveySun,
 };
-use rayon::ThreadPoolBuilder;
 use std::convert::Infallible;
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -89,33 +86,29 @@ fn closed_seconds(nside: Nside, (precession_ms, spin_s): (u64, u64)) -> f64 {
 }
 
 fn simulated_seconds(nside: Nside, (precession_ms, spin_s): (u64, u64), samples: u64) -> f64 {
-    let rotor = |numerator, denominator: u64| Rotor {
-        rate: turns_per_sample(numerator, denominator * HZ),
-        start: Phase::from_bits(0),
+    let rotor = |turns: u64, seconds: u64| ExactRotor {
+        turns_per_s: BigRational::new(turns.into(), seconds.into()),
+        start: Phase::ZERO,
     };
     let moments: Vec<Moment> =
         ORDERS.iter().filter_map(|&n| Moment::new(f64::from(n), 0.0).ok()).collect();
-    let rotation = Rotation::<Detector, Boresight>::IDENTITY;
     let survey = Survey {
         scan: SampledScan {
             start: Epoch::from_tai_ns(0),
-            period: (1_000_000_000_u128 << 64).div_ceil(u128::from(HZ)),
+            sampling_hz: BigRational::from_integer(HZ.into()),
             alpha_rad: 45_f64.to_radians(),
             beta_rad: 50_f64.to_radians(),
             precession: rotor(1000, precession_ms),
             spin: rotor(1, spin_s),
         },
         sun: SurveySun { source: SunSource::Circular(rotor(1, 31_557_600)), step: None },
-        detectors: &[SurveyDetector { rotation, plate: None }],
+        detectors: vec![SurveyDetector::BORESIGHT],
         nside,
         frame: MapFrame::Ecliptic,
-        moments: &moments,
+        moments,
     };
-    let Ok(pool) = ThreadPoolBuilder::new().num_threads(1).build() else { return f64::NAN };
     let before = Instant::now();
-    let mut collector = Collector::new(&survey, Isa::best());
-    let _ = collector.collect(0..samples, &pool, &Progress::default());
-    black_box(collector.finish());
+    let _ = black_box(survey.run(0..samples, 1, &Quietly));
     before.elapsed().as_secs_f64()
 }
 

@@ -6,17 +6,14 @@
 #![expect(clippy::print_stdout, reason = "a bench tells")]
 #![expect(clippy::cast_precision_loss, reason = "rates in words")]
 
-use onboard_core::frame::{Boresight, Detector};
-use onboard_core::phase::{Phase, Rotor};
-use onboard_core::rotation::Rotation;
+use onboard_core::phase::Phase;
 use onboard_core::time::Instant as Epoch;
 use planner::healpix::Nside;
-use planner::survey::clock::turns_per_sample;
+use planner::progress::Quietly;
 use planner::survey::{
-    Collector, Isa, MapFrame, Moment, Progress, SampledScan, SunSource, Survey, SurveyDetector,
-    SurveySun,
+    BigRational, Collector, ExactRotor, Isa, MapFrame, Moment, SampledScan, SunSource, Survey,
+    SurveyDetector, SurveySun,
 };
-use rayon::ThreadPoolBuilder;
 use std::f64::consts::{FRAC_2_PI, TAU};
 use std::hint::black_box;
 use std::time::Instant;
@@ -35,8 +32,10 @@ const NINE: [(f64, f64); 9] = [
     (-4.0, 8.0),
 ];
 
-fn rotor((numerator, denominator): (u64, u64), start: u64) -> Rotor {
-    Rotor { rate: turns_per_sample(numerator, denominator * HZ), start: Phase::from_bits(start) }
+/// So many turns in so many seconds.
+fn rotor((turns, seconds): (i64, i64), start: u64) -> ExactRotor {
+    let turns_per_s = BigRational::new(turns.into(), seconds.into());
+    ExactRotor { turns_per_s, start: Phase::from_bits(start) }
 }
 
 /// LiteBIRD's strategy, 61 rpm.
@@ -46,32 +45,28 @@ fn seconds(
     (samples, threads): (u64, usize),
 ) -> f64 {
     let moments: Vec<Moment> = pairs.iter().filter_map(|&(n, m)| Moment::new(n, m).ok()).collect();
-    let detectors = [SurveyDetector {
-        rotation: Rotation::<Detector, Boresight>::IDENTITY,
-        plate: Some(rotor((61, 60), 0)),
-    }];
+    let detector = SurveyDetector { plate: Some(rotor((61, 60), 0)), ..SurveyDetector::BORESIGHT };
     let Ok(nside) = Nside::new(nside) else { return f64::NAN };
     let survey = Survey {
         scan: SampledScan {
             start: Epoch::from_tai_ns(0),
-            period: (1_000_000_000_u128 << 64).div_ceil(u128::from(HZ)),
+            sampling_hz: BigRational::from_integer(HZ.into()),
             alpha_rad: 45_f64.to_radians(),
             beta_rad: 50_f64.to_radians(),
             precession: rotor((100, 1_154_088), 0),
             spin: rotor((1, 1200), 1 << 63),
         },
         sun: SurveySun { source: SunSource::Circular(rotor((1, 31_557_600), 0)), step: None },
-        detectors: &detectors,
+        detectors: vec![detector],
         nside,
         frame: MapFrame::Ecliptic,
-        moments: &moments,
+        moments,
     };
-    let Ok(pool) = ThreadPoolBuilder::new().num_threads(threads).build() else { return f64::NAN };
-    let mut collector = Collector::new(&survey, isa);
+    let Ok(mut collector) = Collector::new(survey, isa) else { return f64::NAN };
     // The maps are made, and their pages touched, by a first pass.
-    let _ = collector.collect(0..samples, &pool, &Progress::default());
+    let _ = collector.collect(0..samples, threads, &Quietly);
     let before = Instant::now();
-    let _ = collector.collect(0..samples, &pool, &Progress::default());
+    let _ = collector.collect(0..samples, threads, &Quietly);
     let taken = before.elapsed().as_secs_f64();
     black_box(collector.finish());
     taken

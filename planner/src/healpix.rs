@@ -117,6 +117,13 @@ impl Nside {
         }
     }
 
+    /// A map in NESTED order, a value per pixel, as a map in `ordering`.
+    #[must_use]
+    pub fn in_order<T: Copy>(self, nested: &[T], ordering: Ordering) -> Vec<T> {
+        let values = (0..self.pixels()).map(|pixel| self.nested(ordering, pixel) as usize);
+        values.filter_map(|at| nested.get(at).copied()).collect()
+    }
+
     /// The NESTED pixel that holds a longitude and latitude.
     #[must_use]
     pub fn pixel_at(self, longitude_rad: f64, latitude_rad: f64) -> u32 {

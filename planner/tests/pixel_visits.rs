@@ -6,13 +6,9 @@ use onboard_core::frame::{Boresight, Detector, Ecliptic};
 use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::rotation::Rotation;
 use onboard_core::scan::{ScanParameters, ScanStrategy};
-use onboard_core::sun::SunModel;
 use onboard_core::time::{Duration, Instant};
 use planner::healpix::Nside;
-use planner::visits::Visit;
-use planner::visits::boundary::{Boundary, pixel_at};
-use planner::visits::counting::{Sampling, sampled};
-use planner::visits::crossing::LineOfSight;
+use planner::visits::{Boundary, LineOfSight, Sampling, Sun, Visit, pixel_at, sampled};
 use std::f64::consts::TAU;
 use std::num::NonZeroU64;
 
@@ -47,18 +43,18 @@ fn line(
     scan: &ScanStrategy,
     detector: Rotation<Detector, Boresight>,
     span_s: (f64, f64),
-) -> LineOfSight<'_> {
+) -> LineOfSight {
     let at = |seconds| Instant::from_tai_ns(Duration::from_seconds(seconds).ns());
     LineOfSight {
-        scan,
-        sun: SunModel::Circular(rotor(365.25 * 86_400.0, 0.2)),
+        scan: *scan,
+        sun: Sun::Circular(rotor(365.25 * 86_400.0, 0.2)),
         detector,
         ends: (at(span_s.0), at(span_s.1)),
     }
 }
 
 /// Runs of samples inside, `step` apart, as (first, last), by cdshealpix's membership.
-fn dense(line: &LineOfSight<'_>, nside: Nside, pixel: u32, step_ns: i64) -> Vec<(i64, i64)> {
+fn dense(line: &LineOfSight, nside: Nside, pixel: u32, step_ns: i64) -> Vec<(i64, i64)> {
     let mut runs: Vec<(i64, i64)> = Vec::new();
     let (start, end) = (line.ends.0.tai_ns(), line.ends.1.tai_ns());
     let mut previous = false;
@@ -180,7 +176,7 @@ fn pixels_of_every_kind_against_dense_sampling_near_the_visits() {
                 let visits = whole.pixel_visits(&boundary).unwrap();
                 let (centre, radius) = boundary.enclosing_circle();
                 let near = whole.circle_visits(centre, radius).unwrap();
-                let crossing = 2.0 * radius / whole.largest_speed_rad_s();
+                let crossing = 2.0 * radius / whole.largest_speed_rad_s().unwrap();
                 let shortest = visits.iter().map(|visit| visit.dwell().ns()).min();
                 let floor = Duration::from_seconds(crossing / 1e3).ns();
                 let step = (shortest.unwrap_or(i64::MAX) / 100).max(floor / 4).max(1);
@@ -192,7 +188,7 @@ fn pixels_of_every_kind_against_dense_sampling_near_the_visits() {
                         interval.entry.plus(Duration::from_ns(-margin.ns())).max(whole.ends.0),
                         interval.exit.plus(margin).min(whole.ends.1),
                     );
-                    let part = LineOfSight { ends, ..whole };
+                    let part = LineOfSight { ends, ..whole.clone() };
                     let runs = dense(&part, nside, pixel, step);
                     let within: Vec<Visit> = visits
                         .iter()

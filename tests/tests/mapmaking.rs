@@ -2,21 +2,28 @@
 
 use onboard_core::detector::detector_at;
 use onboard_core::frame::{Boresight, Detector};
-use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::rotation::Rotation;
 use onboard_core::time::Instant;
 use planner::healpix::{Nside, Ordering};
 use planner::mapmaking::{
     BinnedMaps, CONDITION_LIMIT, MapMaker, PolarisationConvention, Sample, Sky, SkyMap,
 };
-use planner::survey::clock::turns_per_sample as turns;
+use planner::progress::Progress;
 use planner::survey::{
-    Isa, MapFrame, Progress, SampledScan, SunSource, Survey, SurveyDetector, SurveySun,
+    BigRational, Isa, MapFrame, SampledScan, SunSource, Survey, SurveyDetector, SurveySun,
 };
-use rayon::ThreadPoolBuilder;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering as Memory};
+use tests::simulation::turning;
 
-fn rotor(rate: TurnRate, start_rad: f64) -> Rotor {
-    Rotor { rate, start: Phase::from_radians(start_rad) }
+/// Counts samples.
+#[derive(Default)]
+struct Counted(AtomicU64);
+
+impl Progress for Counted {
+    fn advance(&self, units: u64) {
+        self.0.fetch_add(units, Memory::Relaxed);
+    }
 }
 
 /// LiteBIRD's strategy on a circular Sun, with some detectors and their polarisation angles.
@@ -26,7 +33,7 @@ struct Case {
     samples: u64,
     nside: u32,
     frame: MapFrame,
-    plate_rpm: Option<u64>,
+    plate_rpm: Option<i64>,
     detectors: Vec<(Rotation<Detector, Boresight>, f64)>,
     isa: Isa,
     threads: usize,
@@ -55,53 +62,51 @@ impl Case {
         }
     }
 
-    fn run(&self, sky: &Sky, signal: impl Fn(&Sample) -> f64 + Sync) -> BinnedMaps {
-        let plate = self.plate_rpm.map(|rpm| rotor(turns(rpm, 60 * self.hz), 0.0));
-        let detectors: Vec<SurveyDetector> = self
-            .detectors
-            .iter()
-            .map(|&(rotation, _)| SurveyDetector { rotation, plate })
-            .collect();
-        let polarisation: Vec<f64> = self.detectors.iter().map(|it| it.1).collect();
+    fn run(&self, sky: &Arc<Sky>, signal: impl Fn(&Sample) -> f64 + Sync) -> BinnedMaps {
+        let plate = self.plate_rpm.map(|rpm| turning((60, rpm), 0.0));
+        let detector = |&(rotation, polarisation_rad)| SurveyDetector {
+            rotation,
+            plate: plate.clone(),
+            polarisation_rad,
+        };
         let survey = Survey {
             scan: SampledScan {
                 start: Instant::from_tai_ns(0),
-                period: (1_000_000_000_u128 << 64).div_ceil(u128::from(self.hz)),
+                sampling_hz: BigRational::from_integer(self.hz.into()),
                 alpha_rad: 45.0_f64.to_radians(),
                 beta_rad: 50.0_f64.to_radians(),
-                precession: rotor(turns(100, 1_154_088 * self.hz), 0.0),
-                spin: rotor(turns(1, 1200 * self.hz), std::f64::consts::PI),
+                precession: turning((1_154_088, 100), 0.0),
+                spin: turning((1200, 1), std::f64::consts::PI),
             },
             sun: SurveySun {
-                source: SunSource::Circular(rotor(turns(1, 31_557_600 * self.hz), 0.0)),
+                source: SunSource::Circular(turning((31_557_600, 1), 0.0)),
                 step: None,
             },
-            detectors: &detectors,
+            detectors: self.detectors.iter().map(detector).collect(),
             nside: Nside::new(self.nside).unwrap(),
             frame: self.frame,
-            moments: &[],
+            moments: Vec::new(),
         };
-        let pool = ThreadPoolBuilder::new().num_threads(self.threads).build().unwrap();
-        let progress = Progress::default();
-        let mut maker = MapMaker::new(&survey, &polarisation, sky, self.isa);
-        assert!(maker.collect(0..self.samples, &pool, &progress, &signal).unwrap());
-        assert_eq!(progress.samples(), self.samples * detectors.len() as u64);
+        let progress = Counted::default();
+        let mut maker = MapMaker::new(survey, Arc::clone(sky), self.isa).unwrap();
+        maker.collect(0..self.samples, self.threads, &progress, &signal).unwrap();
+        assert_eq!(progress.0.load(Memory::Relaxed), self.samples * self.detectors.len() as u64);
         maker.finish()
     }
 }
 
-fn sky(nside: u32, frame: MapFrame, value: impl Fn(u32) -> [f64; 3]) -> Sky {
+fn sky(nside: u32, frame: MapFrame, value: impl Fn(u32) -> [f64; 3]) -> Arc<Sky> {
     let nside = Nside::new(nside).unwrap();
     let stokes: Vec<[f64; 3]> = (0..nside.pixels()).map(value).collect();
     let [i, q, u] = [0, 1, 2].map(|k| stokes.iter().map(|it| it[k]).collect::<Vec<f64>>());
-    Sky::new(&SkyMap {
+    let map = SkyMap {
         nside,
         ordering: Ordering::Nested,
         frame,
         convention: PolarisationConvention::Cosmo,
         stokes: [&i, &q, &u],
-    })
-    .unwrap()
+    };
+    Arc::new(Sky::new(&map).unwrap())
 }
 
 /// Pixels that have a solution, all of which are `expected` to `bound`.
@@ -169,7 +174,7 @@ fn the_sign_of_u_follows_the_convention() {
         stokes: [&ones; 3],
     })
     .unwrap();
-    let maps = Case::litebird().run(&iau, Sample::signal);
+    let maps = Case::litebird().run(&Arc::new(iau), Sample::signal);
     assert!(solved(&maps, 1e-10, |_| [1.0, 1.0, -1.0]) > 1500);
 }
 
@@ -275,7 +280,7 @@ const CONDITIONS: [(u32, u64, f64, f64); 7] = [
 #[test]
 fn condition_numbers_are_those_of_numpy() {
     let sky = sky(1, MapFrame::Ecliptic, |_| [1.0, 0.0, 0.0]);
-    for isa in [Isa::best(), Isa::Portable, Isa::Plain] {
+    for isa in [Isa::best(), Isa::PORTABLE, Isa::PLAIN] {
         let case = Case { samples: 60_000, isa, ..Case::litebird() };
         let with = case.run(&sky, Sample::signal);
         let without = Case { plate_rpm: None, ..case }.run(&sky, Sample::signal);

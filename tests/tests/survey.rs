@@ -2,32 +2,27 @@
 //! sample.
 
 use onboard_core::frame::{Boresight, Detector};
-use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::rotation::Rotation;
 use onboard_core::time::{Duration, Instant};
 use planner::healpix::{Nside, Ordering};
-use planner::survey::clock::turns_per_sample as turns;
+use planner::progress::Quietly;
 use planner::survey::{
-    Collector, Isa, MOST_MOMENTS, MapFrame, Moment, Progress, SampledScan, SunSource, Survey,
+    BigRational, Collector, Isa, MOST_MOMENTS, MapFrame, Moment, SampledScan, SunSource, Survey,
     SurveyDetector, SurveyMaps, SurveyStatistics, SurveySun,
 };
-use rayon::ThreadPoolBuilder;
 use serde_json::Value;
-
-fn rotor(rate: TurnRate, start_rad: f64) -> Rotor {
-    Rotor { rate, start: Phase::from_radians(start_rad) }
-}
+use tests::simulation::turning;
 
 /// A survey in plain numbers.
 #[derive(Debug, Clone)]
 struct Case {
     alpha_deg: f64,
     beta_deg: f64,
-    precession_s: (u64, u64),
-    spin_s: (u64, u64),
-    signs: (i8, i8),
+    precession_s: (i64, i64),
+    spin_s: (i64, i64),
+    signs: (i64, i64),
     phases_rad: (f64, f64),
-    plate_rpm: u64,
+    plate_rpm: i64,
     longitude_rad: f64,
     hz: u64,
     samples: u64,
@@ -60,38 +55,32 @@ impl Case {
     }
 
     fn run(&self, isa: Isa, threads: usize) -> SurveyMaps {
-        let signed = |rate: TurnRate, sign: i8| if sign < 0 { rate.reversed() } else { rate };
-        let per_sample = |(n, d): (u64, u64), sign| signed(turns(d, n * self.hz), sign);
+        let signed = |(above, below): (i64, i64), sign: i64| (sign * above, below);
         let scan = SampledScan {
             start: Instant::from_tai_ns(0),
-            period: (1_000_000_000_u128 << 64).div_ceil(u128::from(self.hz)),
+            sampling_hz: BigRational::from_integer(self.hz.into()),
             alpha_rad: self.alpha_deg.to_radians(),
             beta_rad: self.beta_deg.to_radians(),
-            precession: rotor(per_sample(self.precession_s, self.signs.0), self.phases_rad.0),
-            spin: rotor(per_sample(self.spin_s, self.signs.1), self.phases_rad.1),
+            precession: turning(signed(self.precession_s, self.signs.0), self.phases_rad.0),
+            spin: turning(signed(self.spin_s, self.signs.1), self.phases_rad.1),
         };
-        let plate = Some(rotor(turns(self.plate_rpm, 60 * self.hz), 0.0));
-        let detectors: Vec<SurveyDetector> =
-            self.detectors.iter().map(|&rotation| SurveyDetector { rotation, plate }).collect();
-        let moments: Vec<Moment> =
-            self.moments.iter().map(|&(n, m)| Moment::new(n, m).unwrap()).collect();
+        let plate = Some(turning((60, self.plate_rpm), 0.0));
+        let detector =
+            |&rotation| SurveyDetector { rotation, plate: plate.clone(), polarisation_rad: 0.0 };
+        let moment = |&(n, m): &(f64, f64)| Moment::new(n, m).unwrap();
         let survey = Survey {
             scan,
             sun: SurveySun {
-                source: SunSource::Circular(rotor(
-                    turns(1, 31_557_600 * self.hz),
-                    self.longitude_rad,
-                )),
+                source: SunSource::Circular(turning((31_557_600, 1), self.longitude_rad)),
                 step: self.step_s.map(|s| Duration::from_ns(s * 1_000_000_000)),
             },
-            detectors: &detectors,
+            detectors: self.detectors.iter().map(detector).collect(),
             nside: Nside::new(self.nside).unwrap(),
             frame: self.frame,
-            moments: &moments,
+            moments: self.moments.iter().map(moment).collect(),
         };
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mut collector = Collector::new(&survey, isa);
-        assert!(collector.collect(0..self.samples, &pool, &Progress::default()).unwrap());
+        let mut collector = Collector::new(survey, isa).unwrap();
+        collector.collect(0..self.samples, threads, &Quietly).unwrap();
         collector.finish()
     }
 }
@@ -102,7 +91,7 @@ fn reference() -> Value {
 
 fn case_of(reference: &Value) -> Case {
     let number = |key: &str| reference["cfg"][key].as_f64().unwrap();
-    let whole = |x: f64| (x * 100.0 * 60.0).round() as u64;
+    let whole = |x: f64| (x * 100.0 * 60.0).round() as i64;
     let hz = reference["fs"].as_f64().unwrap() as u64;
     let moments: Vec<(f64, f64)> = reference
         .as_object()
@@ -117,7 +106,7 @@ fn case_of(reference: &Value) -> Case {
         precession_s: (whole(number("Ta_min")), 100),
         spin_s: (whole(number("Tb_min")), 100),
         phases_rad: (number("pa"), number("pb")),
-        plate_rpm: number("hwp_rpm") as u64,
+        plate_rpm: number("hwp_rpm") as i64,
         longitude_rad: number("L0"),
         hz,
         samples: hz * 86_400 * reference["days"].as_u64().unwrap(),
@@ -271,7 +260,7 @@ fn cases() -> Vec<(&'static str, Case)> {
 #[test]
 fn every_instruction_set_agrees_with_the_flight_core() {
     for (name, case) in cases() {
-        let plain = case.run(Isa::Plain, 2);
+        let plain = case.run(Isa::PLAIN, 2);
         for isa in ["avx512", "avx2", "portable"] {
             if let Ok(isa) = Isa::named(isa) {
                 assert_same(&format!("{name}, {}", isa.name()), &plain, &case.run(isa, 2));
@@ -304,7 +293,7 @@ fn threads_do_not_change_a_bit() {
 fn maps_have_the_moments_that_were_collected() {
     let moments = (0..70).map(|k| (f64::from(k) / 2.0, 0.0)).collect();
     let case = Case { samples: 5000, nside: 4, moments, ..Case::litebird() };
-    let (fast, plain) = (case.run(Isa::best(), 1), case.run(Isa::Plain, 1));
+    let (fast, plain) = (case.run(Isa::best(), 1), case.run(Isa::PLAIN, 1));
     assert_eq!(fast.moments().len(), MOST_MOMENTS);
     assert_same("70 moments", &plain, &fast);
     assert_eq!(fast.h(0, MOST_MOMENTS), None);

@@ -5,8 +5,7 @@
 
 use ephem::time::format_tdb;
 use onboard_core::visits::Spacing;
-use planner::visits::histogram::Histogram;
-use planner::visits::statistics::{Gap, Spans, Spread, VisitStatistics};
+use planner::visits::{Gap, Histogram, Spans, Spread, VisitStatistics};
 use planner::world::World;
 use serde::Serialize;
 use std::fmt::Write;

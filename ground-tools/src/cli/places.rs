@@ -10,8 +10,8 @@ use mission::quantity;
 use onboard_core::direction::Direction;
 use onboard_core::frame::Ecliptic;
 use planner::healpix::{Nside, Ordering};
-use planner::survey::frame::MapFrame;
-use planner::visits::boundary::{Boundary, pixel_at};
+use planner::survey::MapFrame;
+use planner::visits::{Boundary, pixel_at};
 
 /// Resolution of the pixels of [Takase2024, section 6.2].
 pub const DEFAULT_NSIDE: u32 = 64;

@@ -10,11 +10,8 @@ use super::plot::{TimeAxis, colour, n, steps};
 use crate::failure::Failure;
 use formats::visits::{marks, span};
 use maud::{Markup, PreEscaped, html};
-use planner::opportunities::boresight;
-use planner::opportunities::search;
-use planner::visits::Visit;
-use planner::visits::counting::Counting;
-use planner::visits::statistics::VisitStatistics;
+use planner::opportunities::{boresight, search};
+use planner::visits::{Counting, Visit, VisitStatistics};
 use std::fmt::Write;
 
 /// Parts of the mission in which visits are counted.

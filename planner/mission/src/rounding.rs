@@ -61,23 +61,6 @@ pub fn turn_rate_of_period(period_s: &BigRational, sign: i8) -> Option<TurnRate>
     turn_rate(&(BigRational::from_integer(sign.into()) / period_s))
 }
 
-/// The turns per sample nearest to `turns_per_second / hz`, modulo one turn.
-#[must_use]
-pub fn turns_per_sample(turns_per_second: &BigRational, hz: &BigRational) -> TurnRate {
-    let turns = turns_per_second / hz;
-    let fraction = &turns - turns.floor();
-    let bits = scaled(&fraction, 128) % (BigInt::one() << 128_u32);
-    TurnRate::from_bits(bits.to_u128().unwrap_or(0))
-}
-
-/// The time between samples in 2^-64 ns, rounded up; `None` for less than 2^-64 ns or over 292 years.
-#[must_use]
-pub fn sampling_period(hz: &BigRational) -> Option<u128> {
-    let ns = BigRational::from_integer(1_000_000_000.into()) / hz;
-    let bits = (ns * BigRational::from_integer(BigInt::one() << 64_u32)).ceil().to_integer();
-    bits.to_u128().filter(|bits| (1..1 << 127).contains(bits))
-}
-
 /// The whole nanoseconds nearest to `seconds`; `None` beyond 292 years.
 #[must_use]
 pub fn duration(seconds: &BigRational) -> Option<Duration> {
@@ -101,29 +84,12 @@ mod tests {
     const RATE_262980_MIN: u128 = 21_565_795_049_112_636_161_392;
     const RATE_61_RPM: u128 = 345_953_739_702_954_104_521_097_517_556;
     const RATE_20E6_OVER_2_20_HZ: u128 = 6_490_371_073_168_534_535_663_120_411_525;
-    const TURNS_PER_SAMPLE_192_348_AT_19: u128 = 1_551_839_916_799_824_730_429_087_991_793_056;
     const PHASE_191: u64 = 9_806_278_608_756_667_519;
     const RAD_47_5: u64 = 0x3fea_876c_d8f2_a161;
     const RAD_0_1: u64 = 0x3f5c_9871_03b7_61f5;
 
     fn number(text: &str) -> Number {
         Number::parse(text).unwrap()
-    }
-
-    #[test]
-    fn turns_per_sample_are_exact() {
-        let (hz, turns) = (number("19"), number("192.348").times(60, 1).recip());
-        // round(2^128 / (192.348 * 60 * 19)) from Python's integers.
-        let per_sample = turns_per_sample(&turns, hz.exact());
-        assert_eq!(per_sample.bits(), TURNS_PER_SAMPLE_192_348_AT_19);
-        // A plate faster than the samples keeps what is beyond whole turns; backwards it complements.
-        let fast = turns_per_sample(number("1.25").exact(), number("1").exact());
-        assert_eq!(fast.bits(), 1 << 126);
-        let back = turns_per_sample(number("-0.25").exact(), number("1").exact());
-        assert_eq!(back.bits(), 3 << 126);
-        assert_eq!(sampling_period(number("1").exact()), Some(1_000_000_000 << 64));
-        assert_eq!(sampling_period(number("3").exact()), Some((1_000_000_000 << 64) / 3 + 1));
-        assert_eq!(sampling_period(&number("1").times(1, 1_000_000_000_000).pow(3)), None);
     }
 
     #[test]

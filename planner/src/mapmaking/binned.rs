@@ -10,7 +10,9 @@
 //! solution. That of the others is off by about the condition number times 1e-16 of the signal.
 
 use crate::healpix::Nside;
+use crate::survey::{MapFrame, Pixels};
 use nalgebra::{Matrix3, Vector3};
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 /// Condition number up to which pixels are solved by default.
 pub const CONDITION_LIMIT: f64 = 1e6;
@@ -52,7 +54,7 @@ impl Crossing {
 /// Sums of all pixels, from which maps are solved.
 #[derive(Debug, Clone)]
 pub struct BinnedMaps {
-    nside: Nside,
+    pixels: Pixels,
     rows: Vec<Sums>,
     left_out: u64,
 }
@@ -75,8 +77,8 @@ pub fn map_bytes(nside: Nside) -> u64 {
 }
 
 impl BinnedMaps {
-    pub(super) fn new(nside: Nside) -> Self {
-        Self { nside, rows: vec![[0.0; 8]; nside.pixels() as usize], left_out: 0 }
+    pub(super) fn new(pixels: Pixels) -> Self {
+        Self { pixels, rows: vec![[0.0; 8]; pixels.nside.pixels() as usize], left_out: 0 }
     }
 
     /// Adds crossings in their order.
@@ -93,7 +95,13 @@ impl BinnedMaps {
     /// Resolution.
     #[must_use]
     pub const fn nside(&self) -> Nside {
-        self.nside
+        self.pixels.nside
+    }
+
+    /// Frame of the pixels, and of Q and U.
+    #[must_use]
+    pub const fn frame(&self) -> MapFrame {
+        self.pixels.frame
     }
 
     /// Samples that fell on sky pixels without a value, or measured nothing finite.
@@ -143,6 +151,74 @@ impl BinnedMaps {
         let covariance = (factors.inverse() / n).into();
         Some(Solution { stokes, covariance, condition })
     }
+
+    /// I, Q, U and condition number of all pixels; I, Q and U where [`BinnedMaps::solve`] has them.
+    #[must_use]
+    pub fn stokes(&self, limit: f64) -> StokesMaps {
+        let blank = || vec![f64::NAN; self.rows.len()];
+        let (mut i, mut q, mut u, mut condition) = (blank(), blank(), blank(), blank());
+        (&mut i, &mut q, &mut u, &mut condition).into_par_iter().enumerate().for_each(
+            |(pixel, (i, q, u, condition))| {
+                let pixel = u32::try_from(pixel).unwrap_or(u32::MAX);
+                if let Some(solution) = self.solve(pixel, limit) {
+                    [*i, *q, *u] = solution.stokes;
+                }
+                *condition = self.condition(pixel).unwrap_or(f64::NAN);
+            },
+        );
+        let hits = (0..self.pixels.nside.pixels()).map(|pixel| self.hits(pixel)).collect();
+        StokesMaps { pixels: self.pixels, hits, stokes: [i, q, u], condition }
+    }
+}
+
+/// I, Q, U, condition number and samples of all pixels, one contiguous array each.
+///
+/// Arrays are in NESTED order ([`Nside::in_order`] makes RING of them), Q and U in the COSMO sense,
+/// NaN where a pixel has no value.
+#[derive(Debug, Clone)]
+pub struct StokesMaps {
+    pixels: Pixels,
+    hits: Vec<u64>,
+    stokes: [Vec<f64>; 3],
+    condition: Vec<f64>,
+}
+
+impl StokesMaps {
+    /// Resolution.
+    #[must_use]
+    pub const fn nside(&self) -> Nside {
+        self.pixels.nside
+    }
+
+    /// Frame of the pixels, and of Q and U.
+    #[must_use]
+    pub const fn frame(&self) -> MapFrame {
+        self.pixels.frame
+    }
+
+    /// Samples by NESTED pixel, those left out not counted.
+    #[must_use]
+    pub fn hits(&self) -> &[u64] {
+        &self.hits
+    }
+
+    /// I, Q and U by NESTED pixel.
+    #[must_use]
+    pub fn iqu(&self) -> [&[f64]; 3] {
+        self.stokes.each_ref().map(Vec::as_slice)
+    }
+
+    /// Condition numbers by NESTED pixel.
+    #[must_use]
+    pub fn condition(&self) -> &[f64] {
+        &self.condition
+    }
+
+    /// Pixels without I, Q and U.
+    #[must_use]
+    pub fn unsolved(&self) -> usize {
+        self.stokes[0].iter().filter(|i| i.is_nan()).count()
+    }
 }
 
 #[cfg(test)]
@@ -150,7 +226,8 @@ mod tests {
     use super::*;
 
     fn pixel(samples: &[(f64, f64)]) -> BinnedMaps {
-        let mut maps = BinnedMaps::new(Nside::new(1).unwrap());
+        let nside = Nside::new(1).unwrap();
+        let mut maps = BinnedMaps::new(Pixels { nside, frame: MapFrame::Ecliptic });
         let mut crossing = Crossing::new(7);
         for &(angle, d) in samples {
             crossing.add((angle.cos(), angle.sin()), d);
@@ -178,6 +255,14 @@ mod tests {
         assert!((solution.condition - 2.0).abs() < 1e-14);
         assert_eq!((maps.hits(7), maps.hits(6)), (5, 0));
         assert_eq!((maps.condition(6), maps.solve(6, f64::INFINITY)), (None, None));
+        let arrays = maps.stokes(CONDITION_LIMIT);
+        assert_eq!(arrays.iqu().map(|map| map[7].to_bits()), solution.stokes.map(f64::to_bits));
+        assert_eq!(arrays.condition()[7].to_bits(), solution.condition.to_bits());
+        assert_eq!(
+            (arrays.hits(), arrays.unsolved()),
+            (&[0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0][..], 11)
+        );
+        assert!(arrays.iqu().iter().all(|map| map[6].is_nan()) && arrays.condition()[6].is_nan());
     }
 
     #[test]

@@ -9,8 +9,7 @@
 //! Limits: the larger of the two departures of the period is taken for both; errors add, they are
 //! not taken for independent.
 
-use super::certificate::Tolerance;
-use super::motion::Motion;
+use super::motion::{Motion, Tolerance};
 use std::f64::consts::TAU;
 
 /// What one axis' rate is subject to.

@@ -9,8 +9,8 @@
 //! 1. every pair whose band `|m*| <= l_max` meets it is enumerated, for each j the whole numbers k
 //!    of one interval: the fractions `k / -j` of the Stern-Brocot tree in the band, and their
 //!    multiples;
-//! 2. the power of a pair is a smooth function of its `m*`; its supremum is that at points a
-//!    sixteenth apart plus `h^2 / 8` times a bound of its curvature;
+//! 2. the power of a pair is a smooth function of its `m*`; its supremum is that at points
+//!    h apart, a twelfth for one orbit, plus `h^2 / 8` times a bound of its curvature;
 //! 3. pairs that can meet at one m somewhere in the slice add amplitudes, others add powers.
 //!
 //! The slice with the largest bound is halved until the box passes, some point exceeds the allowance
@@ -25,11 +25,11 @@
 //! Limits: rigorous for the model of [`super::power`], whose terms end 3 m from `m*` (test
 //! `no_point_in_a_passing_box_exceeds_its_bound`).
 
-use super::bound::{Band, Bounded, Slice, Survey};
-use super::motion::{Motion, MotionError};
+use super::bound::{Band, Bounded, Slice};
+use super::box_coefficients::BoxCoefficients;
+use super::motion::{Motion, MotionError, Tolerance};
 use super::orbit::Orbit;
-use super::pairs::gcd;
-use super::power::Predictor;
+use super::predictor::{Predictor, gcd};
 use std::f64::consts::TAU;
 use thiserror::Error;
 
@@ -39,15 +39,6 @@ pub const MOST_SLICES: usize = 48;
 const FLOOR_POINTS: u32 = 101;
 /// The floor is sought within this share of the precession period.
 const FLOOR_RANGE: f64 = 0.0025;
-
-/// How far the periods may be from their nominal values, either way.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tolerance {
-    /// Of the precession period, in seconds.
-    pub precession_s: f64,
-    /// Of the spin period, in seconds.
-    pub spin_s: f64,
-}
 
 /// Why there is no certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -167,19 +158,19 @@ impl Predictor {
         let whole = checked_box(&motion, tolerance, orbit)?;
         let nominal = self.predict(&motion);
         let l_max = f64::from(self.l_max());
-        let mut survey =
-            Survey::new(motion, orbit, nominal.smooth_variance + nominal.beyond_variance, l_max);
+        let without = nominal.smooth_variance + nominal.beyond_variance;
+        let mut common = BoxCoefficients::new(motion, orbit, without, l_max);
         let limit = (floor * (1.0 + allowed)).powi(2);
-        let beside = self.smooth_beside(&mut survey);
-        survey.smooth += beside;
+        let beside = self.smooth_beside(&mut common);
+        common.smooth += beside;
         let parts: Vec<(Slice, f64)> =
-            whole.parts().map(|it| (it, self.middle(&survey, tolerance, it))).collect();
+            whole.parts().map(|it| (it, self.middle(&common, tolerance, it))).collect();
         let mut refuted = nominal.variance > limit || parts.iter().any(|it| it.1 > limit);
         if refuted {
-            survey.refuted();
+            common.refuted();
         }
         let mut slices: Vec<Bounded> =
-            parts.into_iter().map(|part| self.bound(&mut survey, part)).collect();
+            parts.into_iter().map(|part| self.bound(&mut common, part)).collect();
         while slices.len() < MOST_SLICES && !refuted {
             slices.sort_by(|a, b| a.variance.total_cmp(&b.variance));
             let Some(top) = slices.last().copied() else { break };
@@ -191,9 +182,9 @@ impl Predictor {
             slices.pop();
             for eta in [[low, middle], [middle, high]] {
                 let half = Slice { eta, ..top.slice };
-                let variance = self.middle(&survey, tolerance, half);
+                let variance = self.middle(&common, tolerance, half);
                 refuted |= variance > limit;
-                slices.push(self.bound(&mut survey, (half, variance)));
+                slices.push(self.bound(&mut common, (half, variance)));
             }
         }
         let bound = slices.iter().fold(0.0_f64, |most, it| most.max(it.variance)).sqrt();
@@ -203,7 +194,7 @@ impl Predictor {
             .iter()
             .filter_map(|it| Some((it, it.worst?)))
             .max_by(|(a, _), (b, _)| a.middle.total_cmp(&b.middle))
-            .map(|(_, band)| self.describe(&survey, tolerance, band));
+            .map(|(_, band)| self.describe(&common, tolerance, band));
         Ok(Certificate {
             passes: excess <= allowed,
             refuted,
@@ -217,8 +208,13 @@ impl Predictor {
         })
     }
 
-    fn describe(&mut self, survey: &Survey<'_>, tolerance: Tolerance, band: Band) -> Worst {
-        let motion = &survey.motion;
+    fn describe(
+        &mut self,
+        common: &BoxCoefficients<'_>,
+        tolerance: Tolerance,
+        band: Band,
+    ) -> Worst {
+        let motion = &common.motion;
         let [k, j] = band.frequencies;
         let multiple = gcd(k, j).max(1);
         let l_max = self.l_max();

@@ -6,11 +6,12 @@
 //!
 //! Limits: one detector on the boresight; pixels to `N_side` 512.
 
-use super::certificate::{Certificate, CertificateError, Tolerance};
+use super::certificate::{Certificate, CertificateError};
 use super::crosslink::Crosslink;
+use super::motion::Tolerance;
 use super::motion::{Motion, YEAR_S};
 use super::orbit::Orbit;
-use super::power::Predictor;
+use super::predictor::Predictor;
 use super::recommendation::{Demand, Recommendation};
 use super::window::{Window, WindowError};
 use crate::healpix::{Nside, NsideError};

@@ -17,8 +17,10 @@
 //! unobserved, or nearly so (see [`Predictor::crosslinks`]). Means within 2% of simulation
 //! (`tests/tests/crosslink.rs`).
 
+use super::coefficients::sinc;
 use super::motion::Motion;
-use super::power::{Predictor, SMOOTH, Term, sinc};
+use super::power::Term;
+use super::predictor::{Predictor, SMOOTH};
 use super::ring_sums::{COLUMNS, Columns, Complex, Longitudes, Rings, to_f64};
 use super::wigner::wigner_d;
 use std::collections::BTreeMap;

@@ -13,7 +13,8 @@
 //! Limits: those of [`super::power`].
 
 use super::motion::Motion;
-use super::power::{Predictor, Term};
+use super::power::Term;
+use super::predictor::Predictor;
 use super::wigner::wigner_d;
 use std::f64::consts::{FRAC_PI_2, PI};
 

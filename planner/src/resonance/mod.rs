@@ -7,36 +7,41 @@
 //! Angles and phases as in the conventions; rates carry the sign of the rotation. Maps are in
 //! ecliptic coordinates, hits relative to their mean.
 //!
-//! Method: `docs/resonance.md`; functions in [`wigner`], pixels and beams in [`window`], the sums in
-//! [`power`], [`hemisphere`] for each half of the sky, [`crosslink`] for the means of the crossing angles'
-//! moments, bounds over tolerances in [`certificate`].
+//! Method: `docs/resonance.md`. A [`Predictor`] gives the variance of hits ([`Predictor::predict`]),
+//! each half of the sky ([`Predictor::hemispheres`]), the means of the crossing angles' moments
+//! ([`Predictor::crosslinks`]), bounds over tolerances ([`Predictor::certify`]) and periods to fly
+//! ([`Predictor::recommend`]).
 //!
 //! Limits: predictions are those of a circular orbit; certificates follow the real one. One detector
 //! on the boresight.
 
-pub mod wigner;
+mod wigner;
+mod motion;
+mod coefficients;
 mod quadrature;
-pub mod window;
-pub mod motion;
-mod pairs;
-pub mod power;
-pub mod hemisphere;
+mod window;
 mod local_window;
+mod orbit;
+mod predictor;
+mod power;
+mod hemisphere;
 mod ring_sums;
-pub mod crosslink;
-pub mod orbit;
+mod crosslink;
+mod box_coefficients;
 mod bound;
-pub mod certificate;
-pub mod actuator;
-pub mod recommendation;
+mod certificate;
+mod actuator;
+mod recommendation;
 pub mod check;
 
-pub use actuator::Actuator;
-pub use certificate::{Certificate, CertificateError, Tolerance, Worst};
-pub use crosslink::Crosslink;
+pub use actuator::{Actuator, MOST_PERIODS, time_within, tolerance_after};
+pub use certificate::{Certificate, CertificateError, MOST_SLICES, Worst};
+pub use crosslink::{Crosslink, LEAST_HITS, MAX_ORDER, mean_of_d};
 pub use hemisphere::Hemispheres;
-pub use motion::{Motion, MotionError};
+pub use motion::{Motion, MotionError, Tolerance, YEAR_S};
 pub use orbit::Orbit;
-pub use power::{Prediction, Predictor, Resonance};
-pub use recommendation::{Choice, Demand, Recommendation};
-pub use window::{Window, WindowError};
+pub use power::{NEGLIGIBLE, Prediction, Resonance};
+pub use predictor::Predictor;
+pub use recommendation::{Choice, Demand, MOST_TOLERANCES, Recommendation, SHORTLIST};
+pub use wigner::{MAX_L, wigner_d};
+pub use window::{DEGREES_PER_NSIDE, Window, WindowError};

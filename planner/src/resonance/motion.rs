@@ -1,4 +1,4 @@
-//! The uniform motion whose hits are predicted.
+//! The uniform motion whose hits are predicted, and how far its periods may be off.
 //!
 //! `n(t) = R_z(w_o t + phi_o) R_y(90 deg) R_z(w_a t + phi_a) R_y(alpha) R_z(w_b t + phi_b) R_y(beta) z`
 //! in ecliptic coordinates. Against the conventions: `phi_o` is the anti-Sun longitude at the start,
@@ -32,6 +32,15 @@ pub struct Motion {
     pub spin_phase_rad: f64,
     /// Anti-Sun longitude at the start in radians.
     pub longitude_rad: f64,
+}
+
+/// How far the periods may be from their nominal values, either way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Of the precession period, in seconds.
+    pub precession_s: f64,
+    /// Of the spin period, in seconds.
+    pub spin_s: f64,
 }
 
 /// What was not legal in a [`Motion`].

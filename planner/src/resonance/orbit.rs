@@ -16,8 +16,8 @@
 //! Limits: a year later the deviation is the same; latitudes are given by the largest one; planes are
 //! tilted by a small angle.
 
+use super::coefficients::{REACH, sinc};
 use super::motion::Motion;
-use super::power::sinc;
 use super::quadrature::gauss_legendre;
 use pulp::{Arch, NullaryFnOnce};
 use std::f64::consts::{PI, TAU};
@@ -100,7 +100,7 @@ impl Orbit {
         let mut nodes = Vec::new();
         for share in [0.25, 0.5, 1.0] {
             let largest_m = share * l_max;
-            let turns = orbits.abs() * (super::power::REACH + 2.0 * rate * largest_m);
+            let turns = orbits.abs() * (REACH + 2.0 * rate * largest_m);
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,

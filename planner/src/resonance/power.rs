@@ -6,8 +6,8 @@
 //!
 //! `(sigma_hits / mean)^2 = sum_(l >= 1) (2l + 1) w_l^2 [|A_l0|^2 + 2 sum_(m >= 1) |A_lm|^2]`.
 //!
-//! Method: only terms near `nu = 0` count, `m` within [`Predictor::reach`] of
-//! `m* = -(k N_a + j N_b) / N_o`. The power of one pair (k, j) at m,
+//! Method: only terms near `nu = 0` count, `m` within 3 (of a survey
+//! shorter than an orbit, 3 over its share of one) of `m* = -(k N_a + j N_b) / N_o`. The power of one pair (k, j) at m,
 //! `P(m) = sum_l (2l + 1) w_l^2 [d_mk d_kj d_j0]^2`, depends on nothing but the angles: it is kept for
 //! all motions. Pairs that meet at the same m interfere; their products are summed where Cauchy and
 //! Schwarz do not already show them negligible. Amplitudes of each (k, j) are scaled by
@@ -18,19 +18,15 @@
 //!
 //! Limits: terms dropped add less than [`NEGLIGIBLE`] each to the variance.
 
+use super::coefficients::{coefficients, from_polar, reach, sinc, times};
 use super::motion::Motion;
-use super::pairs::{Pair, gcd};
-use super::wigner::{MAX_L, RightAngle, wigner_d};
-use super::window::Window;
+use super::predictor::{Pair, Predictor, SMOOTH, gcd};
+use super::wigner::wigner_d;
 use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A product of two terms in the variance that is left out.
 pub const NEGLIGIBLE: f64 = 1e-7;
-/// A pair that is left out, by its largest possible power.
-pub(super) const NEGLIGIBLE_PAIR: f64 = 1e-13;
-/// Reach in m for one orbit or more.
-pub(super) const REACH: f64 = 3.0;
 
 /// What a survey's hits look like.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,68 +86,10 @@ pub(super) struct Term {
     pub(super) factor: [f64; 2],
 }
 
-/// Predicts surveys at given angles and window.
-#[derive(Debug, Clone)]
-pub struct Predictor {
-    pub(super) alpha_rad: f64,
-    pub(super) beta_rad: f64,
-    pub(super) window: Window,
-    /// `d^l_j0(beta)` by j, not negative.
-    pub(super) spins: BTreeMap<i32, Vec<f64>>,
-    pub(super) pairs: Vec<Pair>,
-    pub(super) right_angle: RightAngle,
-    /// Index of each pair, or that it is negligible; k not negative.
-    pub(super) index: BTreeMap<(i32, i32), Option<usize>>,
-    /// Products of two pairs by m, over even and odd l.
-    pub(super) products: BTreeMap<(i32, usize, usize), [f64; 2]>,
-    /// Amplitudes by m and pair.
-    pub(super) rows: BTreeMap<(i32, usize), Vec<f64>>,
-}
-
-/// Index of the smooth pair.
-pub(super) const SMOOTH: usize = 0;
-
 impl Predictor {
-    /// No pairs known yet but the smooth one.
-    #[must_use]
-    pub fn new(alpha_rad: f64, beta_rad: f64, window: Window) -> Self {
-        let mut predictor = Self {
-            alpha_rad,
-            beta_rad,
-            window,
-            spins: BTreeMap::new(),
-            pairs: Vec::new(),
-            right_angle: RightAngle::default(),
-            index: BTreeMap::new(),
-            products: BTreeMap::new(),
-            rows: BTreeMap::new(),
-        };
-        let smooth = predictor.make_pair(0, 0);
-        predictor.pairs.push(smooth);
-        predictor.index.insert((0, 0), Some(SMOOTH));
-        predictor
-    }
-
-    /// The window.
-    #[must_use]
-    pub const fn window(&self) -> &Window {
-        &self.window
-    }
-
-    /// Largest degree as a signed number.
-    pub(super) fn l_max(&self) -> i32 {
-        i32::try_from(self.window.l_max().min(MAX_L)).unwrap_or(0)
-    }
-
-    /// How far from `m*` terms are taken.
-    #[must_use]
-    pub fn reach(motion: &Motion) -> f64 {
-        REACH / motion.orbits().abs().min(1.0)
-    }
-
     /// The terms at m >= 0 of a motion.
     pub(super) fn terms(&mut self, motion: &Motion) -> Vec<Term> {
-        let (reach, orbits) = (Self::reach(motion), motion.orbits());
+        let (reach, orbits) = (reach(motion), motion.orbits());
         let l_max = self.l_max();
         let [phi_o, phi_a, phi_b] = motion.phases();
         let mut terms = Vec::new();
@@ -267,16 +205,6 @@ impl Predictor {
     }
 }
 
-/// `exp(i phase)`.
-fn from_polar(phase: f64) -> [f64; 2] {
-    let (sin, cos) = phase.sin_cos();
-    [cos, sin]
-}
-
-fn times([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
-    [a * c - b * d, a * d + b * c]
-}
-
 /// Whole numbers upwards.
 fn whole_from(first: f64) -> impl Iterator<Item = i32> {
     #[expect(clippy::cast_possible_truncation, reason = "a few degrees beyond l_max")]
@@ -284,51 +212,10 @@ fn whole_from(first: f64) -> impl Iterator<Item = i32> {
     first..
 }
 
-/// `sqrt(S / S_kept) sinc(pi N_o (m - m*))` for m from `round(m*) - reach` to `round(m*) + reach`.
-fn coefficients(sizes: &mut Vec<f64>, m_star: f64, orbits: f64, reach: f64) {
-    sizes.clear();
-    let reach = reach.ceil();
-    let mut x = PI * orbits * (m_star.round() - reach - m_star);
-    let mut phasor = from_polar(x);
-    let turn = from_polar(PI * orbits);
-    let mut kept = 0.0;
-    let mut m = -reach;
-    while m <= reach {
-        let size = if x.abs() < 1e-3 { sinc(x) } else { phasor[1] / x };
-        kept += size * size;
-        sizes.push(size);
-        phasor = times(phasor, turn);
-        x += PI * orbits;
-        m += 1.0;
-    }
-    // Where nothing is kept, at the sinc's zeros, nothing is scaled.
-    if kept >= 1e-6 {
-        let scale = (all_of_sinc(m_star, orbits) / kept).max(0.0).sqrt();
-        for size in sizes {
-            *size *= scale;
-        }
-    }
-}
-
-/// `S`, the sum over all m of `sinc^2(pi N_o (m - m*))`.
-pub(super) fn all_of_sinc(m_star: f64, orbits: f64) -> f64 {
-    let orbits = orbits.abs();
-    let mut sum = 1.0;
-    let mut r = 1.0;
-    while r < orbits {
-        sum += 2.0 * (1.0 - r / orbits) * (TAU * r * m_star).cos();
-        r += 1.0;
-    }
-    sum / orbits
-}
-
-pub(super) fn sinc(x: f64) -> f64 {
-    if x.abs() < 1e-8 { 1.0 } else { x.sin() / x }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::pairs::visible;
+    use super::super::predictor::visible;
+    use super::super::window::Window;
     use super::*;
     use crate::healpix::Nside;
 
@@ -443,18 +330,5 @@ mod tests {
         found.sort_unstable();
         assert_eq!(found, expected);
         assert!(found.len() > 20, "{}", found.len());
-    }
-
-    #[test]
-    fn sinc_squares_sum_as_stated() {
-        for orbits in [0.3, 1.0, 1.5, 3.0] {
-            for m_star in [0.0, 0.25, 0.5, 7.9] {
-                let sum: f64 = (-200_000..=200_000)
-                    .map(|m| sinc(PI * orbits * (f64::from(m) - m_star)).powi(2))
-                    .sum();
-                let found = all_of_sinc(m_star, orbits);
-                assert!((sum - found).abs() < 1e-5, "{orbits} {m_star}: {sum} {found}");
-            }
-        }
     }
 }

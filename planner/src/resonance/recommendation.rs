@@ -12,10 +12,10 @@
 //! Limits: a scan's ranks stand for the bounds', so that a candidate off the short list may be
 //! better by less than the bounds exceed the predictions.
 
-use super::certificate::{Certificate, CertificateError, Tolerance};
-use super::motion::Motion;
+use super::certificate::{Certificate, CertificateError};
+use super::motion::{Motion, Tolerance};
 use super::orbit::Orbit;
-use super::power::Predictor;
+use super::predictor::Predictor;
 use std::collections::BTreeMap;
 
 /// Candidates of either rank that are certified.

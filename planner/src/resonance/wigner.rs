@@ -95,7 +95,7 @@ pub fn wigner_d(m: i32, n: i32, beta_rad: f64, l_max: usize) -> Vec<f64> {
 }
 
 /// [`wigner_d`] into a row that starts at l = 0.
-pub fn fill_wigner_d(m: i32, n: i32, beta_rad: f64, row: &mut [f64]) {
+pub(super) fn fill_wigner_d(m: i32, n: i32, beta_rad: f64, row: &mut [f64]) {
     row.fill(0.0);
     let start = m.abs().max(n.abs());
     let first = usize::try_from(start).unwrap_or(usize::MAX);

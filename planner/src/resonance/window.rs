@@ -22,6 +22,7 @@
 //! true pixels `w_l` is off by less than 0.02 at nside 1 and 2e-3 at 8, falling with nside (test
 //! `meets_pair_averages_over_true_pixels`).
 
+use super::coefficients::sinc;
 use super::quadrature::gauss_legendre;
 use super::wigner::MAX_L;
 use crate::healpix::Nside;
@@ -166,10 +167,6 @@ fn shapes() -> Vec<Shape> {
         }
     }
     shapes
-}
-
-fn sinc(x: f64) -> f64 {
-    if x.abs() < 1e-8 { 1.0 } else { x.sin() / x }
 }
 
 /// `w^2` at `x = l / nside`.

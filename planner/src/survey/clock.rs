@@ -12,39 +12,36 @@ use onboard_core::time::{Duration, Instant};
 
 /// The instants of samples, and the strategy on their clock.
 #[derive(Debug, Clone, Copy)]
-pub struct SampledScan {
+pub(super) struct SampleClock {
     /// Instant of sample 0, where all rotors have their start phase.
-    pub start: Instant,
+    pub(super) start: Instant,
     /// Time between samples in 2^-64 ns, rounded up, so that whole multiples fall on their ns.
-    pub period: u128,
+    pub(super) period: u128,
     /// Angle from the anti-Sun axis to the spin axis in radians.
-    pub alpha_rad: f64,
+    pub(super) alpha_rad: f64,
     /// Angle from the spin axis to the boresight in radians.
-    pub beta_rad: f64,
+    pub(super) beta_rad: f64,
     /// Precession, turns per sample.
-    pub precession: Rotor,
+    pub(super) precession: Rotor,
     /// Spin, turns per sample.
-    pub spin: Rotor,
+    pub(super) spin: Rotor,
 }
 
-impl SampledScan {
+impl SampleClock {
     /// Time from the start to sample `j`, rounded down to ns.
-    #[must_use]
-    pub fn elapsed(&self, j: u64) -> Duration {
+    pub(super) fn elapsed(&self, j: u64) -> Duration {
         let whole = (self.period >> 64).wrapping_mul(u128::from(j));
         let rest = ((self.period & u128::from(u64::MAX)) * u128::from(j)) >> 64;
         Duration::from_ns(i64::try_from(whole + rest).unwrap_or(i64::MAX))
     }
 
     /// The instant of sample `j`, rounded down to ns.
-    #[must_use]
-    pub fn instant(&self, j: u64) -> Instant {
+    pub(super) fn instant(&self, j: u64) -> Instant {
         self.start.plus(self.elapsed(j))
     }
 
     /// The first sample at `elapsed` or later.
-    #[must_use]
-    pub fn first_sample_at(&self, elapsed: Duration) -> u64 {
+    pub(super) fn first_sample_at(&self, elapsed: Duration) -> u64 {
         let ns = u128::from(elapsed.ns().max(0).unsigned_abs());
         // j >= ns 2^64 / period, at most one off for the rounding of 2^-64 ns.
         let estimate = (ns << 64).div_ceil(self.period.max(1));
@@ -52,35 +49,19 @@ impl SampledScan {
     }
 
     /// Seconds between samples.
-    #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "53 digits are wanted")]
-    pub fn period_s(&self) -> f64 {
+    pub(super) fn period_s(&self) -> f64 {
         self.period as f64 / 18_446_744_073_709_551_616.0 * 1e-9
     }
 }
 
-/// The rate of `numerator / denominator` turns per sample, rounded to the nearest 2^-128; whole turns
-/// are left out, and a denominator of zero gives a rate of zero.
-#[must_use]
-pub fn turns_per_sample(numerator: u64, denominator: u64) -> TurnRate {
-    if denominator == 0 {
-        return TurnRate::from_bits(0);
-    }
-    let (above, below) = (u128::from(numerator % denominator), u128::from(denominator));
-    // 2^128 = quotient * below + rest.
-    let (quotient, rest) = (u128::MAX / below, u128::MAX % below + 1);
-    TurnRate::from_bits(quotient * above + (rest * above + below / 2) / below)
-}
-
 /// The angle of a rotor on the sample clock at sample `j`.
-#[must_use]
-pub fn phase_at(rotor: Rotor, j: u64) -> Phase {
+pub(super) fn phase_at(rotor: Rotor, j: u64) -> Phase {
     rotor.phase(Duration::from_ns(j.cast_signed()))
 }
 
 /// Radians per sample of a rate on the sample clock, in [-pi, pi).
-#[must_use]
-pub fn radians_per_sample(rate: TurnRate) -> f64 {
+pub(super) fn radians_per_sample(rate: TurnRate) -> f64 {
     rate.radians_per_second() * 1e-9
 }
 
@@ -89,17 +70,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ratios_are_rounded_to_the_nearest() {
-        assert_eq!(turns_per_sample(1, 4).bits(), 1 << 126);
-        assert_eq!(turns_per_sample(9, 4).bits(), 1 << 126);
-        assert_eq!(turns_per_sample(2, 3).bits(), u128::MAX / 3 * 2 + 1);
-        assert_eq!(turns_per_sample(1, 0).bits(), 0);
-    }
-
-    #[test]
     fn samples_and_instants_belong_together() {
-        let rotor = Rotor { rate: turns_per_sample(1, 1000), start: Phase::ZERO };
-        let scan = SampledScan {
+        let rotor = Rotor { rate: TurnRate::from_bits(u128::MAX / 1000), start: Phase::ZERO };
+        let clock = SampleClock {
             start: Instant::from_tai_ns(5),
             // 19 Hz.
             period: (1_000_000_000_u128 << 64).div_ceil(19),
@@ -108,13 +81,13 @@ mod tests {
             precession: rotor,
             spin: rotor,
         };
-        assert_eq!(scan.instant(19), Instant::from_tai_ns(1_000_000_005));
-        assert_eq!(scan.elapsed(1), Duration::from_ns(52_631_578));
+        assert_eq!(clock.instant(19), Instant::from_tai_ns(1_000_000_005));
+        assert_eq!(clock.elapsed(1), Duration::from_ns(52_631_578));
         for j in [0, 1, 19, 1_641_600, 1_800_000_000] {
-            assert_eq!(scan.first_sample_at(scan.elapsed(j)), j);
-            let after = scan.elapsed(j).ns() + 1;
-            assert_eq!(scan.first_sample_at(Duration::from_ns(after)), j + 1);
+            assert_eq!(clock.first_sample_at(clock.elapsed(j)), j);
+            let after = clock.elapsed(j).ns() + 1;
+            assert_eq!(clock.first_sample_at(Duration::from_ns(after)), j + 1);
         }
-        assert!((scan.period_s() - 1.0 / 19.0).abs() < 1e-17);
+        assert!((clock.period_s() - 1.0 / 19.0).abs() < 1e-17);
     }
 }

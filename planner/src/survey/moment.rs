@@ -13,6 +13,8 @@ pub struct Moment {
     twice_m: i32,
 }
 
+/// Most moments of a survey; its maps do not have those beyond.
+pub const MOST_MOMENTS: usize = 64;
 /// Largest |n| and |m|.
 pub const MAX_ORDER: i32 = 64;
 

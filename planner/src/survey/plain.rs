@@ -4,10 +4,11 @@
 //! kernel is tested against, and what its speed is compared with.
 
 use super::clock::phase_at;
-use super::frame::Galactic;
-use super::map::{SurveyMaps, steps};
-use super::sun::SunSource;
-use super::{Run, Survey};
+use super::frame::{Galactic, MapFrame};
+use super::moment::Moment;
+use super::runs::Run;
+use super::sampled::{Pixels, Sampled};
+use super::sums::{Sums, steps};
 use crate::healpix::Nside;
 use onboard_core::direction::Direction;
 use onboard_core::ephemeris::EphemerisError;
@@ -17,68 +18,62 @@ use std::f64::consts::{FRAC_2_PI, TAU};
 
 /// One sample of one detector.
 #[derive(Debug, Clone, Copy)]
-pub struct Sample {
-    /// Line of sight in the map's frame.
-    pub direction: [f64; 3],
+pub(super) struct Sample {
     /// NESTED pixel.
-    pub pixel: u32,
+    pub(super) pixel: u32,
     /// Crossing angle in the map's frame in radians, in (-pi, pi].
-    pub crossing_angle_rad: f64,
+    pub(super) crossing_angle_rad: f64,
     /// The plate's angle in radians, in [0, 2 pi); 0 without a plate.
-    pub plate_angle_rad: f64,
+    pub(super) plate_angle_rad: f64,
 }
 
 /// The attitude of a detector at sample `j`, in the map's frame.
 fn attitude(
-    survey: &Survey<'_>,
-    detector: usize,
-    j: u64,
+    sampled: &Sampled<'_>,
+    frame: MapFrame,
+    (detector, j): (usize, u64),
 ) -> Result<Rotation<Detector, Galactic>, EphemerisError> {
-    let scan = &survey.scan;
-    let seen = survey.sun.seen_at(scan, j);
-    let sun: Direction<Ecliptic> = match &survey.sun.source {
-        SunSource::Circular(longitude) => {
-            let (sin, cos) = phase_at(*longitude, seen).sin_cos();
-            Direction::new(cos, sin, 0.0).unwrap_or(Direction::Z)
-        }
-        SunSource::Table(model) => model.state(scan.start, scan.instant(seen))?.direction,
-    };
+    let scan = &sampled.clock;
+    let sun = sampled.sun.direction(scan, j)?;
     let spin: Rotation<Spin, AntiSun> = Rotation::<Spin, Spin>::about_z_by(phase_at(scan.spin, j))
         .then(Rotation::<Spin, Spin>::about_y(scan.alpha_rad))
         .then(Rotation::about_z_by(phase_at(scan.precession, j)));
-    Ok(survey.detectors[detector]
+    Ok(sampled.detectors[detector]
         .rotation
         .then(Rotation::<Boresight, Spin>::about_y(scan.beta_rad))
         .then(spin)
         .then(Rotation::<AntiSun, Ecliptic>::to_direction_with_x_north(sun))
-        .then(survey.frame.from_ecliptic()))
+        .then(frame.from_ecliptic()))
 }
 
-/// What `detector` sees at sample `j`.
+/// What detector number `detector` sees at sample `j` on a map.
 ///
 /// # Errors
 /// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
-pub fn sample(survey: &Survey<'_>, detector: usize, j: u64) -> Result<Sample, EphemerisError> {
-    let attitude = attitude(survey, detector, j)?;
+pub(super) fn sample(
+    sampled: &Sampled<'_>,
+    on: Pixels,
+    (detector, j): (usize, u64),
+) -> Result<Sample, EphemerisError> {
+    let attitude = attitude(sampled, on.frame, (detector, j))?;
     let n = attitude.apply(Direction::Z).xyz();
     let x = Direction::new(1.0, 0.0, 0.0).map_or([1.0, 0.0, 0.0], |it| attitude.apply(it).xyz());
-    let plate = survey.detectors[detector].plate.map(|it| phase_at(it, j).turns() * TAU);
+    let plate = sampled.detectors[detector].plate.map(|it| phase_at(it, j).turns() * TAU);
     Ok(Sample {
-        direction: n,
-        pixel: pixel_of(survey.nside, n),
+        pixel: pixel_of(on.nside, n),
         // East and north scaled by the sine of the colatitude: (-n_y, n_x, 0), and x . north = x_z.
         crossing_angle_rad: x[2].atan2(x[1] * n[0] - x[0] * n[1]),
         plate_angle_rad: plate.unwrap_or(0.0),
     })
 }
 
-/// The NESTED pixel that `detector` sees at sample `j`; pixel 0 beyond the Sun's table, which the run
+/// The NESTED pixel that detector number `detector` sees at sample `j`; pixel 0 beyond the Sun's table, which the run
 /// has reported by then.
 #[cold]
 #[inline(never)]
-pub(super) fn pixel(survey: &Survey<'_>, detector: usize, j: u64) -> u32 {
-    attitude(survey, detector, j)
-        .map_or(0, |it| pixel_of(survey.nside, it.apply(Direction::Z).xyz()))
+pub(super) fn pixel(sampled: &Sampled<'_>, on: Pixels, (detector, j): (usize, u64)) -> u32 {
+    attitude(sampled, on.frame, (detector, j))
+        .map_or(0, |it| pixel_of(on.nside, it.apply(Direction::Z).xyz()))
 }
 
 /// The NESTED pixel of a unit vector [Gorski2005, section 4].
@@ -118,25 +113,25 @@ fn floor(x: f64) -> i64 {
     x.floor() as i64
 }
 
-/// Collects the samples of a run of one detector.
+/// Collects the samples of a run.
 pub(super) fn collect(
-    survey: &Survey<'_>,
+    sampled: &Sampled<'_>,
+    (on, moments): (Pixels, &[Moment]),
     run: Run,
-    map: &mut SurveyMaps,
+    sums: &mut Sums,
 ) -> Result<(), EphemerisError> {
-    let moments = survey.collected();
     let count = moments.len();
     let (mut re, mut im) = (vec![0; count], vec![0; count]);
     for j in run.first..run.end {
-        for detector in 0..survey.detectors.len() {
-            let it = sample(survey, detector, j)?;
+        for detector in 0..sampled.detectors.len() {
+            let it = sample(sampled, on, (detector, j))?;
             for (index, moment) in moments.iter().enumerate() {
                 let angle = -(moment.n() * it.crossing_angle_rad + moment.m() * it.plate_angle_rad);
                 let (sin, cos) = angle.sin_cos();
                 re[index] = steps(cos);
                 im[index] = steps(sin);
             }
-            map.add(it.pixel, 1, &re, &im);
+            sums.add(it.pixel, 1, &re, &im);
         }
     }
     Ok(())

@@ -7,7 +7,7 @@
 //!
 //! Method: sums of hits are exact integers; others are added in a fixed order.
 
-use super::map::SurveyMaps;
+use super::maps::SurveyMaps;
 use super::moment::Moment;
 use rayon::prelude::*;
 
@@ -47,7 +47,7 @@ pub struct MomentStatistics {
 const CHUNK: u32 = 1 << 14;
 
 impl SurveyStatistics {
-    /// Of maps that were merged.
+    /// Of a survey's maps.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "quotients of rounded numbers")]
     pub fn of(maps: &SurveyMaps) -> Self {
@@ -146,19 +146,25 @@ impl Hits {
 mod tests {
     use super::*;
     use crate::healpix::Nside;
-    use crate::survey::map::steps;
+    use crate::survey::frame::MapFrame;
+    use crate::survey::sampled::Pixels;
+    use crate::survey::sums::{Sums, steps};
+
+    fn pixels(nside: u32) -> Pixels {
+        Pixels { nside: Nside::new(nside).unwrap(), frame: MapFrame::Ecliptic }
+    }
 
     #[test]
     fn numbers_of_a_small_map() {
         let moment = Moment::new(1.0, 0.0).unwrap();
-        let mut maps = SurveyMaps::new(Nside::new(1).unwrap(), &[moment]);
+        let mut sums = Sums::new(pixels(1), &[moment]);
         // Twelve pixels with 0 to 11 hits, half of them with h = 1, half with h = i / 2.
         for pixel in 1..12_u32 {
             let hits = f64::from(pixel);
             let (re, im) = if pixel % 2 == 0 { (hits, 0.0) } else { (0.0, 0.5 * hits) };
-            maps.add(pixel, i64::from(pixel), &[steps(re)], &[steps(im)]);
+            sums.add(pixel, i64::from(pixel), &[steps(re)], &[steps(im)]);
         }
-        let found = SurveyStatistics::of(&maps);
+        let found = SurveyStatistics::of(&sums.into_maps());
         assert_eq!((found.samples, found.range, found.unobserved_pixels), (66, (0, 11), 1));
         assert!((found.mean_hits - 5.5).abs() < 1e-15);
         assert!((found.sigma_hits - 13.0_f64.sqrt()).abs() < 1e-14);
@@ -175,7 +181,7 @@ mod tests {
     #[test]
     fn an_empty_map_has_no_means() {
         let moment = Moment::new(1.0, 0.0).unwrap();
-        let found = SurveyStatistics::of(&SurveyMaps::new(Nside::new(2).unwrap(), &[moment]));
+        let found = SurveyStatistics::of(&Sums::new(pixels(2), &[moment]).into_maps());
         assert_eq!((found.samples, found.range, found.unobserved_pixels), (0, (0, 0), 48));
         assert_eq!(found.moments[0].mean_observed, None);
         assert!(found.sigma_hits_normalised.abs() < 1e-300);

@@ -12,7 +12,7 @@
 //!
 //! Limits: pieces so long that the error stays below [`ERROR_RAD`]; a test compares.
 
-use super::crossing::LineOfSight;
+use super::line_of_sight::Sight;
 use onboard_core::attitude::sweep;
 use onboard_core::direction::Direction;
 use onboard_core::ephemeris::EphemerisError;
@@ -41,7 +41,7 @@ pub(super) struct Arc {
 
 impl Motion {
     /// At `at`.
-    pub(super) fn of(line: &LineOfSight<'_>, at: Instant) -> Result<Self, EphemerisError> {
+    pub(super) fn of(line: &Sight<'_>, at: Instant) -> Result<Self, EphemerisError> {
         let seen = sweep(line.scan, &line.sun, line.detector, at)?;
         let (along_x, along_y) = seen.scan_beam_angle_rad.sin_cos();
         let ahead = Direction::new(along_x, along_y, 0.0).unwrap_or(Direction::Z);
@@ -78,7 +78,7 @@ impl Arc {
 }
 
 /// The longest piece whose error is certain to stay below [`ERROR_RAD`].
-pub(super) fn longest(line: &LineOfSight<'_>) -> Duration {
+pub(super) fn longest(line: &Sight<'_>) -> Duration {
     let parameters = line.scan.parameters();
     let bounds = line.sun.bounds();
     let cos_latitude = (1.0 - bounds.max_abs_z * bounds.max_abs_z).max(1e-12).sqrt();
@@ -134,7 +134,7 @@ mod tests {
             .unwrap();
             for detector in [Rotation::IDENTITY, Rotation::<Detector, Boresight>::about_x(0.2)] {
                 let sun = SunModel::Circular(rotor(365.25 * 86_400.0, 0.2));
-                let line = LineOfSight { scan: &scan, sun, detector, ends };
+                let line = Sight { scan: &scan, sun, detector, ends };
                 let length = longest(&line);
                 for piece in 0..50 {
                     let start = Instant::from_tai_ns(piece * 97_531_234_567);

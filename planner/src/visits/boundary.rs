@@ -28,7 +28,7 @@
 //! distance against points of the boundary.
 
 use crate::healpix::{Nside, unit_vector};
-use crate::survey::frame::{Galactic, MapFrame};
+use crate::survey::{Galactic, MapFrame};
 use onboard_core::direction::Direction;
 use onboard_core::frame::Ecliptic;
 use onboard_core::rotation::Rotation;

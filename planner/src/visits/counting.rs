@@ -12,7 +12,7 @@
 //! Limits: an edge at the search's start or end is not the visit's own, and gives no revisit or gap.
 //! A sample within a nanosecond of a crossing may go either way.
 
-use super::Visit;
+use super::visit::Visit;
 use onboard_core::time::{Duration, Instant};
 use std::num::NonZeroU64;
 

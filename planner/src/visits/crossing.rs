@@ -17,123 +17,28 @@
 
 use super::arc::{self, Arc, ERROR_RAD, Motion};
 use super::boundary::Boundary;
-use super::fixed::{BODY, FixedDirection};
-use super::{Visit, transits};
-use onboard_core::attitude::attitude;
-use onboard_core::direction::Direction;
+use super::line_of_sight::{LineOfSight, Sight, VisitsError};
+use super::visit::Visit;
 use onboard_core::ephemeris::EphemerisError;
-use onboard_core::field_of_view::FieldOfView;
-use onboard_core::frame::{Boresight, Detector, Ecliptic};
-use onboard_core::rotation::Rotation;
-use onboard_core::scan::ScanStrategy;
-use onboard_core::sun::SunModel;
 use onboard_core::time::{Duration, Instant};
-use onboard_core::transit::Channel;
-use thiserror::Error;
 
 /// Depth below which a visit, or an absence between two, may be missed.
 pub const DEPTH_TOLERANCE_RAD: f64 = 1e-9;
 
-/// A line of sight over a span of time.
-#[derive(Debug, Clone, Copy)]
-pub struct LineOfSight<'a> {
-    /// The scanning strategy.
-    pub scan: &'a ScanStrategy,
-    /// Where the Sun is.
-    pub sun: SunModel<'a>,
-    /// The detector's frame in the boresight frame; its z is the line of sight.
-    pub detector: Rotation<Detector, Boresight>,
-    /// First and last instant.
-    pub ends: (Instant, Instant),
-}
-
-/// Why visits cannot be found.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum VisitsError {
-    /// A table does not serve the span.
-    #[error("the table does not serve the span: {0:?}")]
-    Ephemeris(EphemerisError),
-    /// The circle's radius (radians) is not in (0, pi].
-    #[error("a circle of {0} rad: a radius above 0 and at most pi is needed")]
-    Radius(f64),
-}
-
-impl From<EphemerisError> for VisitsError {
-    fn from(error: EphemerisError) -> Self {
-        Self::Ephemeris(error)
-    }
-}
-
-impl LineOfSight<'_> {
-    /// Where it points at `at`.
-    ///
-    /// # Errors
-    /// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
-    pub fn direction(&self, at: Instant) -> Result<Direction<Ecliptic>, EphemerisError> {
-        let boresight = attitude(self.scan, &self.sun, at)?;
-        Ok(boresight.apply(self.detector.apply(Direction::Z)))
-    }
-
-    /// No line of sight of this detector moves faster, in rad/s.
-    #[must_use]
-    pub fn largest_speed_rad_s(&self) -> f64 {
-        let parameters = self.scan.parameters();
-        let bounds = self.sun.bounds();
-        let cos_latitude = (1.0 - bounds.max_abs_z * bounds.max_abs_z).max(1e-12).sqrt();
-        let turning = parameters.spin.rate.radians_per_second().abs() * self.sine_from_spin_axis()
-            + parameters.precession.rate.radians_per_second().abs()
-            + bounds.rate_rad_s / cos_latitude;
-        turning * (1.0 + 1e-9)
-    }
-
-    /// Sine of the angle between the spin axis and the line of sight.
-    pub(super) fn sine_from_spin_axis(&self) -> f64 {
-        let [x, y, _] =
-            self.scan.boresight_in_spin().apply(self.detector.apply(Direction::Z)).xyz();
-        x.hypot(y)
-    }
-
-    /// All visits of the circle of `radius_rad` about a fixed direction, in order.
-    ///
-    /// # Errors
-    /// [`VisitsError`].
-    pub fn circle_visits(
-        &self,
-        centre: Direction<Ecliptic>,
-        radius_rad: f64,
-    ) -> Result<Vec<Visit>, VisitsError> {
-        let field = FieldOfView::circle(self.detector, radius_rad)
-            .map_err(|_| VisitsError::Radius(radius_rad))?;
-        self.field_visits(centre, &field)
-    }
-
-    /// All intervals with a fixed direction inside a field of view, in order.
-    ///
-    /// # Errors
-    /// [`VisitsError::Ephemeris`].
-    pub fn field_visits(
-        &self,
-        centre: Direction<Ecliptic>,
-        field: &FieldOfView,
-    ) -> Result<Vec<Visit>, VisitsError> {
-        let fixed = FixedDirection::new(centre, self.ends);
-        let body = fixed.table()?.body(BODY)?;
-        let found = transits(Channel::new(self.scan, self.sun, body, field, self.ends))?;
-        Ok(found.iter().map(Visit::from).collect())
-    }
-
+impl LineOfSight {
     /// All visits of a pixel, in order.
     ///
     /// # Errors
     /// [`VisitsError`].
     pub fn pixel_visits(&self, pixel: &Boundary) -> Result<Vec<Visit>, VisitsError> {
+        let sight = &self.sight()?;
         let (centre, radius_rad) = pixel.enclosing_circle();
-        let near = self.circle_visits(centre, radius_rad)?;
+        let near = sight.circle_visits(centre, radius_rad)?;
         let walk = Walk {
-            line: self,
+            line: sight,
             pixel,
-            speed: self.largest_speed_rad_s(),
-            longest: arc::longest(self),
+            speed: sight.largest_speed_rad_s(),
+            longest: arc::longest(sight),
         };
         let mut visits = Vec::new();
         for interval in &near {
@@ -145,7 +50,7 @@ impl LineOfSight<'_> {
 
 /// The way along a line of sight near a pixel.
 struct Walk<'w, 'a> {
-    line: &'w LineOfSight<'a>,
+    line: &'w Sight<'a>,
     pixel: &'w Boundary,
     /// Largest speed in rad/s.
     speed: f64,

@@ -13,17 +13,17 @@ use std::num::NonZeroU64;
 
 /// One fixed direction over a span of time, as table bytes.
 #[derive(Debug, Clone)]
-pub struct FixedDirection {
+pub(super) struct FixedDirection {
     bytes: Vec<u8>,
 }
 
 /// The body number of the direction in its table.
-pub const BODY: i32 = FIRST_USER_BODY;
+pub(super) const BODY: i32 = FIRST_USER_BODY;
 
 impl FixedDirection {
     /// The table of `direction` from `start` to `end`; an empty span is taken as one nanosecond.
     #[must_use]
-    pub fn new(direction: Direction<Ecliptic>, (start, end): (Instant, Instant)) -> Self {
+    pub(super) fn new(direction: Direction<Ecliptic>, (start, end): (Instant, Instant)) -> Self {
         let length = u64::try_from(end.since(start).ns()).ok().and_then(NonZeroU64::new);
         let span = Span {
             body: BODY,
@@ -48,7 +48,7 @@ impl FixedDirection {
     ///
     /// # Errors
     /// [`EphemerisError`] where the span is beyond the time scale.
-    pub fn table(&self) -> Result<EphemerisTable<'_>, EphemerisError> {
+    pub(super) fn table(&self) -> Result<EphemerisTable<'_>, EphemerisError> {
         EphemerisTable::parse(&self.bytes)
     }
 }

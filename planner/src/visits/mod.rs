@@ -7,69 +7,25 @@
 //! are: the line of sight itself, without aberration. Instants are TAI.
 //!
 //! Method: circles by the flight core's certified search ([`transits`]); pixels by that search on a
-//! circle that holds the pixel ([`boundary`]), then by steps that provably cross no edge
-//! ([`crossing`]); from them sampled counting ([`counting`]), statistics and histograms.
+//! circle that holds the pixel ([`Boundary`]), then by steps that provably cross no edge
+//! ([`LineOfSight::pixel_visits`]); from them sampled counting ([`sampled`]), statistics and histograms.
 //!
-//! Limits: those of `onboard_core::transit`, and [`crossing::DEPTH_TOLERANCE_RAD`] for pixels.
+//! Limits: those of `onboard_core::transit`, and [`DEPTH_TOLERANCE_RAD`] for pixels.
 
-pub mod fixed;
-pub mod boundary;
+mod visit;
+mod fixed;
+mod line_of_sight;
+mod boundary;
 mod arc;
-pub mod crossing;
-pub mod counting;
-pub mod histogram;
-pub mod statistics;
+mod crossing;
+mod counting;
+mod histogram;
+mod statistics;
 
-use onboard_core::ephemeris::EphemerisError;
-use onboard_core::time::{Duration, Instant};
-use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
-
-/// A maximal interval inside.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Visit {
-    /// First instant inside, or the search's start.
-    pub entry: Instant,
-    /// Last instant inside, or the search's end.
-    pub exit: Instant,
-    /// It was inside already at the search's start.
-    pub entry_clipped: bool,
-    /// It was still inside at the search's end.
-    pub exit_clipped: bool,
-}
-
-impl Visit {
-    /// Time inside.
-    #[must_use]
-    pub const fn dwell(&self) -> Duration {
-        self.exit.since(self.entry)
-    }
-}
-
-impl From<&Transit> for Visit {
-    fn from(transit: &Transit) -> Self {
-        Self {
-            entry: transit.entry,
-            exit: transit.exit,
-            entry_clipped: transit.entry_clipped,
-            exit_clipped: transit.exit_clipped,
-        }
-    }
-}
-
-/// All transits of one channel, in order.
-///
-/// # Errors
-/// [`EphemerisError`] where the channel's tables do not serve its span.
-pub fn transits(channel: Channel<'_>) -> Result<Vec<Transit>, EphemerisError> {
-    let mut channels = [channel];
-    let mut finder = TransitFinder::new(&mut channels);
-    let mut found = Vec::new();
-    loop {
-        match finder.step() {
-            Step::Transit(transit) => found.push(transit),
-            Step::Searched(_) => {}
-            Step::Done => return Ok(found),
-            Step::Failed { error, .. } => return Err(error),
-        }
-    }
-}
+pub use boundary::{Boundary, pixel_at};
+pub use counting::{Counting, Sampling, Wait, sampled, waits};
+pub use crossing::DEPTH_TOLERANCE_RAD;
+pub use histogram::{BINS_PER_DECADE, Histogram, MOST_LINEAR_BINS};
+pub use line_of_sight::{LineOfSight, Sun, VisitsError};
+pub use statistics::{Gap, LONGEST_GAPS, Spans, Spread, VisitStatistics};
+pub use visit::{Visit, transits};

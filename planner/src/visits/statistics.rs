@@ -6,9 +6,9 @@
 //! Limits: edges at the search's start or end enter only with what is whole, as
 //! [`counting`](super::counting) says; the total dwell counts what was seen of every visit.
 
-use super::Visit;
 use super::counting::{Counting, Wait, waits};
 use super::histogram::Histogram;
+use super::visit::Visit;
 use onboard_core::time::{Duration, Instant};
 
 /// Longest gaps that are kept with their times.

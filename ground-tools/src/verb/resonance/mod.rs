@@ -16,9 +16,10 @@ use figure::{Point, figure};
 use formats::resonance::{json as checked_json, minutes, sentence};
 use options::{Actuators, Periods};
 use planner::provenance::Provenance;
-use planner::resonance::actuator::tolerance_after;
 use planner::resonance::check::{Checked, ResonanceCheck};
-use planner::resonance::{CertificateError, Choice, Crosslink, Recommendation, Tolerance};
+use planner::resonance::{
+    CertificateError, Choice, Crosslink, Recommendation, Tolerance, tolerance_after,
+};
 use planner::world::World;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -325,7 +326,7 @@ impl Report<'_> {
 
 fn row(choice: &Choice) -> String {
     let Choice { precession_period_s, spin_period_s, certificate, tolerances_survived } = choice;
-    let most = planner::resonance::recommendation::MOST_TOLERANCES;
+    let most = planner::resonance::MOST_TOLERANCES;
     let more = if *tolerances_survived > 0.98 * most { ">" } else { "" };
     format!(
         "{:>12.4} {:>10.4} {:>10.6} {:>6.2} % {:>10}",

@@ -11,8 +11,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 use planner::healpix::Nside;
 use planner::resonance::check::NSIDE;
-use planner::resonance::crosslink::MAX_ORDER;
-use planner::resonance::{Actuator, Motion, Tolerance, Window};
+use planner::resonance::{Actuator, MAX_ORDER, Motion, Tolerance, Window};
 
 /// Rows of a scan, at most.
 const MOST_ROWS: u32 = 1_000_000;

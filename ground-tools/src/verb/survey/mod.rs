@@ -7,13 +7,13 @@
 mod options;
 mod sky;
 mod products;
+mod watch;
 
 use super::{mission, print_json, tell, warn};
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
 use formats::survey::{MapReport, Snapshot, Summary, SurveyReport, text, who};
-use indicatif::{ProgressBar, ProgressStyle};
 use onboard_core::time::Duration;
 use planner::healpix::{Nside, Ordering};
 use planner::mapmaking::Sky;
@@ -21,17 +21,16 @@ use planner::opportunities::{NONE, SightLine, select};
 use planner::provenance::Provenance;
 use planner::survey::input::SurveyInput;
 use planner::survey::{
-    Collector, Isa, MapFrame, Moment, Progress, SunSource, Survey, SurveyDetector, SurveyMaps,
-    SurveyStatistics, SurveySun, Sweeping,
+    Collector, Isa, MapFrame, Moment, SunSource, SunTable, Survey, SurveyDetector, SurveyError,
+    SurveyMaps, SurveyStatistics, SurveySun, Sweeping, map_bytes,
 };
 use planner::world::{Tables, World};
 use products::{Layout, Pictures, beside, tracks, write_fits};
-use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration as Wait;
+use watch::Watch;
 
 /// Mean orbital rate for the scan-beam angle: 360 deg in 365.25 d.
 const ORBIT_RAD_S: f64 = TAU / 31_557_600.0;
@@ -59,7 +58,8 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let rate = options::rate(arguments, &world)?;
     options::check_plates(&world, &lines, &moments)?;
     warn(shared, &options::slow_sampling(&world, &lines, &rate));
-    let input = SurveyInput::new(&world, &lines, &rate)?;
+    let input =
+        SurveyInput::new(&world, &lines, &rate).map_err(|error| options::refused(&rate, error))?;
     let snapshots = options::snapshots(arguments, &world, &input)?;
     let frame = if arguments.galactic { MapFrame::Galactic } else { MapFrame::Ecliptic };
     let ordering = if arguments.nested { Ordering::Nested } else { Ordering::Ring };
@@ -69,9 +69,14 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let needs_table = input.circular_sun.is_none() || arguments.tracks;
     let tables = needs_table.then(|| world.tables(&world.ground_options())).transpose()?;
     let table = tables.as_ref().map(Tables::parse).transpose()?;
-    let source = match (input.circular_sun, table) {
-        (Some(longitude), _) => SunSource::Circular(longitude),
-        (None, Some(table)) => SunSource::Table(world.sun(table)?),
+    let source = match (&input.circular_sun, &tables) {
+        (Some(longitude), _) => SunSource::Circular(longitude.clone()),
+        (None, Some(tables)) => {
+            let table = SunTable::new(tables.fitted.bytes.as_slice());
+            SunSource::Table(
+                table.map_err(|error| Failure::internal(format!("the fitted table: {error:?}")))?,
+            )
+        }
         (None, None) => return Err(Failure::internal("neither a circular Sun nor a table")),
     };
     let drawn = match table {
@@ -82,7 +87,10 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
         }
         _ => Vec::new(),
     };
-    let besides = if sky.is_some() { sky::bytes(nside) } else { 0 };
+    let mut besides = if sky.is_some() { sky::bytes(nside) } else { 0 };
+    if !snapshots.is_empty() {
+        besides += map_bytes(nside, moments.len());
+    }
     let session = Session {
         world: &world,
         input: &input,
@@ -91,7 +99,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
         moments: &moments,
         layout,
         isa,
-        pool: options::pool(arguments.threads, nside, moments.len(), besides)?,
+        threads: options::threads(arguments.threads, nside, moments.len(), besides)?,
         snapshots: &snapshots,
         pictures: Pictures {
             png: arguments.png.clone(),
@@ -103,26 +111,23 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
         out: shared.out.clone(),
         provenance: Provenance::of(&world),
         rate_hz: rate.to_f64(),
-        sky: sky.as_ref(),
+        sky: sky.map(Arc::new),
     };
 
-    let progress = Arc::new(Progress::default());
-    let handler = Arc::clone(&progress);
-    ctrlc::set_handler(move || handler.stop()).map_err(Failure::internal)?;
+    let watch = Watch::on_interrupt()?;
     let groups: Vec<&[SightLine]> =
         if arguments.per_detector { lines.chunks(1).collect() } else { vec![&lines] };
     let passes = if arguments.sky.is_some() { 2 } else { 1 };
     let total = input.samples * lines.len() as u64 * passes;
-    let bar = bar(shared, total);
     let mut files = Vec::new();
-    let reports = shown(&bar, &progress, || {
+    let reports = watch.shown(shared, total, || {
         let mut first = 0;
         let mut reports = Vec::new();
         for group in &groups {
             let detectors = &input.detectors[first..first + group.len()];
             first += group.len();
             let several = groups.len() > 1;
-            reports.push(session.group(group, detectors, several, &progress, &mut files)?);
+            reports.push(session.group(group, detectors, several, &watch, &mut files)?);
         }
         Ok(reports)
     })?;
@@ -134,18 +139,18 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
 struct Session<'w> {
     world: &'w World,
     input: &'w SurveyInput,
-    sun: SurveySun<'w>,
+    sun: SurveySun,
     nside: Nside,
     moments: &'w [Moment],
     layout: Layout,
     isa: Isa,
-    pool: ThreadPool,
+    threads: usize,
     snapshots: &'w [(String, Duration, u64)],
     pictures: Pictures,
     out: Option<PathBuf>,
     provenance: Provenance,
     rate_hz: f64,
-    sky: Option<&'w Sky>,
+    sky: Option<Arc<Sky>>,
 }
 
 impl Session<'_> {
@@ -189,37 +194,38 @@ impl Session<'_> {
         lines: &[SightLine],
         detectors: &[SurveyDetector],
         several: bool,
-        progress: &Progress,
+        watch: &Watch,
         files: &mut Vec<String>,
     ) -> Result<SurveyReport, Failure> {
         let survey = Survey {
-            scan: self.input.scan,
-            sun: self.sun,
-            detectors,
+            scan: self.input.scan.clone(),
+            sun: self.sun.clone(),
+            detectors: detectors.to_vec(),
             nside: self.nside,
             frame: self.layout.frame,
-            moments: self.moments,
+            moments: self.moments.to_vec(),
         };
         let (telescope, detector) = seen_by(lines);
         let name = if several { format!("-{telescope}-{detector}") } else { String::new() };
-        let mut collector = Collector::new(&survey, self.isa);
+        let mut collector = Collector::new(survey.clone(), self.isa).map_err(failed)?;
         let mut from = 0;
         let mut snapshots = Vec::new();
         for (after, elapsed, samples) in self.snapshots {
-            self.collect(&mut collector, from..*samples, progress, files)?;
+            self.collect(&mut collector, from..*samples, watch, files)?;
             from = *samples;
-            let maps = collector.merged();
-            let map = MapReport::new(self.nside.get(), &SurveyStatistics::of(maps));
-            self.write(maps, (&name, Some(after)), (&telescope, &detector), files)?;
+            let maps = collector.maps();
+            let map = MapReport::new(self.nside.get(), &SurveyStatistics::of(&maps));
+            self.write(&maps, (&name, Some(after)), (&telescope, &detector), files)?;
             snapshots.push(Snapshot { after: after.clone(), elapsed_s: elapsed.seconds(), map });
         }
-        self.collect(&mut collector, from..self.input.samples, progress, files)?;
+        self.collect(&mut collector, from..self.input.samples, watch, files)?;
         let maps = collector.finish();
         let map = MapReport::new(self.nside.get(), &SurveyStatistics::of(&maps));
         self.write(&maps, (&name, None), (&telescope, &detector), files)?;
         let sky = self
             .sky
-            .map(|sky| self.observe(&survey, (lines, sky, &name), progress, files))
+            .as_ref()
+            .map(|sky| self.observe(survey, (lines, sky, &name), watch, files))
             .transpose()?;
         let amplitude = detectors
             .par_iter()
@@ -239,24 +245,23 @@ impl Session<'_> {
 
     fn collect(
         &self,
-        collector: &mut Collector<'_>,
+        collector: &mut Collector,
         span: std::ops::Range<u64>,
-        progress: &Progress,
+        watch: &Watch,
         files: &[String],
     ) -> Result<(), Failure> {
-        let whole = collector
-            .collect(span, &self.pool, progress)
-            .map_err(|error| Failure::internal(format!("{error:?}")))?;
-        if whole {
-            return Ok(());
-        }
-        let kept = if files.is_empty() {
-            "nothing is written".to_owned()
-        } else {
-            format!("what --snapshot asked for stays: {}", files.join(", "))
-        };
-        let done = progress.samples();
-        Err(Failure::Check(format!("interrupted after {done} samples: {kept}")))
+        collector.collect(span, self.threads, watch).map_err(|error| match error {
+            SurveyError::Stopped => {
+                let kept = if files.is_empty() {
+                    "nothing is written".to_owned()
+                } else {
+                    format!("what --snapshot asked for stays: {}", files.join(", "))
+                };
+                let done = watch.samples();
+                Failure::Check(format!("interrupted after {done} samples: {kept}"))
+            }
+            other => failed(other),
+        })
     }
 
     fn write(
@@ -290,11 +295,19 @@ impl Session<'_> {
         let scan = &self.world.mission.scan;
         Sweeping {
             alpha_rad: scan.alpha_rad,
-            polar_rad: detector.polar_rad(&self.input.scan),
+            polar_rad: detector.polar_rad(scan.beta_rad),
             orbit_rad_s: ORBIT_RAD_S,
             precession_rad_s: scan.precession.rate.radians_per_second(),
             spin_rad_s: scan.spin.rate.radians_per_second(),
         }
+    }
+}
+
+/// What a survey cannot have on checked input.
+fn failed(error: SurveyError) -> Failure {
+    match error {
+        SurveyError::Ephemeris(error) => Failure::internal(format!("{error:?}")),
+        other => Failure::internal(other),
     }
 }
 
@@ -309,41 +322,4 @@ fn seen_by(lines: &[SightLine]) -> (String, String) {
         }
         [] => (NONE.to_owned(), NONE.to_owned()),
     }
-}
-
-/// A bar on standard error where that is a terminal.
-fn bar(shared: &SharedArgs, total: u64) -> ProgressBar {
-    if shared.quiet {
-        return ProgressBar::hidden();
-    }
-    let style = "{wide_bar} {percent:>3}%  {msg}  {eta} left";
-    let bar = ProgressBar::new(total);
-    if let Ok(style) = ProgressStyle::with_template(style) {
-        bar.set_style(style);
-    }
-    bar
-}
-
-/// Does the work while the bar follows its progress.
-fn shown<T>(
-    bar: &ProgressBar,
-    progress: &Progress,
-    work: impl FnOnce() -> Result<T, Failure>,
-) -> Result<T, Failure> {
-    let (done, ended) = std::sync::mpsc::channel::<()>();
-    let result = std::thread::scope(|scope| {
-        scope.spawn(move || {
-            while ended.recv_timeout(Wait::from_millis(100))
-                == Err(std::sync::mpsc::RecvTimeoutError::Timeout)
-            {
-                bar.set_position(progress.samples());
-                bar.set_message(format!("{:.1} M samples/s", bar.per_sec() / 1e6));
-            }
-        });
-        let result = work();
-        drop(done);
-        result
-    });
-    bar.finish_and_clear();
-    result
 }

@@ -12,10 +12,10 @@ use onboard_core::time::Duration;
 use planner::constraints::sampling_ok;
 use planner::healpix::{MAX_NSIDE, Nside};
 use planner::opportunities::SightLine;
+use planner::survey::SamplingError;
 use planner::survey::input::SurveyInput;
 use planner::survey::{Isa, MOST_MOMENTS, Moment, map_bytes};
 use planner::world::World;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
 
@@ -40,14 +40,14 @@ fn gigabytes(bytes: f64) -> String {
     format!("{:.1} GB", bytes / 1e9)
 }
 
-/// Threads, and that their maps fit the memory beside `besides` bytes: fewer threads where that is
-/// needed.
-pub(super) fn pool(
+/// How many threads, so that their maps fit the memory beside `besides` bytes: fewer than asked for
+/// where that is needed.
+pub(super) fn threads(
     asked: Option<NonZeroUsize>,
     nside: Nside,
     moments: usize,
     besides: u64,
-) -> Result<ThreadPool, Failure> {
+) -> Result<usize, Failure> {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let mut threads = asked.map_or(cores, NonZeroUsize::get);
     let each = map_bytes(nside, moments);
@@ -66,7 +66,7 @@ pub(super) fn pool(
         }
         threads = threads.min(fitting);
     }
-    ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::internal)
+    Ok(threads)
 }
 
 pub(super) fn moments(texts: &[String]) -> Result<Vec<Moment>, Failure> {
@@ -220,4 +220,17 @@ pub(super) fn slow_sampling(world: &World, lines: &[SightLine], rate: &Number) -
         }
     }
     told
+}
+
+/// Why a rate cannot be surveyed at.
+pub(super) fn refused(rate: &Number, error: SamplingError) -> Failure {
+    Failure::Input(match error {
+        SamplingError::NotPositive { .. } => format!("--rate {rate}: a rate above 0 Hz is needed"),
+        SamplingError::TooSlow { least_hz, .. } => {
+            format!("--rate {rate}: more than two samples per turn are needed, above {least_hz} Hz")
+        }
+        SamplingError::OutOfRange { .. } => {
+            format!("--rate {rate}: a rate from 1e-9 to 1e18 Hz is needed")
+        }
+    })
 }

@@ -1,8 +1,9 @@
 //! `survey --sky`: what a sky of I, Q, U looks like after the survey's detectors have seen it, binned
 //! into the survey's pixels.
 
-use super::Session;
 use super::products::beside;
+use super::watch::Watch;
+use super::{Session, failed};
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
@@ -13,13 +14,12 @@ use formats::fits::{
 use formats::survey::{SkyReport, who};
 use planner::healpix::Nside;
 use planner::mapmaking::{
-    BinnedMaps, CONDITION_LIMIT, MapMaker, PolarisationConvention, Sample, Sky, SkyMap, Solution,
-    map_bytes,
+    CONDITION_LIMIT, MapMaker, PolarisationConvention, Sample, Sky, SkyMap, StokesMaps, map_bytes,
 };
 use planner::opportunities::SightLine;
-use planner::survey::{MapFrame as SurveyFrame, Progress, Survey};
-use rayon::prelude::*;
+use planner::survey::{MapFrame as SurveyFrame, Survey, SurveyError};
 use std::path::Path;
+use std::sync::Arc;
 
 /// The sky asked for.
 pub(super) fn asked(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<Option<Sky>, Failure> {
@@ -60,64 +60,48 @@ fn read(path: &Path, unsaid: Option<MapFrame>) -> Result<Sky, Failure> {
 
 /// Bytes that observing a sky takes beside the survey's maps.
 pub(super) fn bytes(nside: Nside) -> u64 {
-    map_bytes(nside) + u64::from(nside.pixels()) * size_of::<[f64; 4]>() as u64
-}
-
-/// I, Q, U and the condition number of each NESTED pixel; NaN where there is none.
-fn solved(maps: &BinnedMaps) -> Vec<[f64; 4]> {
-    let solved = |pixel: u32| {
-        let [i, q, u] =
-            maps.solve(pixel, CONDITION_LIMIT).map_or([f64::NAN; 3], |it: Solution| it.stokes);
-        [i, q, u, maps.condition(pixel).unwrap_or(f64::NAN)]
-    };
-    (0..maps.nside().pixels()).into_par_iter().map(solved).collect()
+    map_bytes(nside) + u64::from(nside.pixels()) * size_of::<[f64; 5]>() as u64
 }
 
 impl Session<'_> {
     /// Lets the survey's detectors look at `sky`, and writes what they make of it beside `--out`.
     pub(super) fn observe(
         &self,
-        survey: &Survey<'_>,
-        (lines, sky, name): (&[SightLine], &Sky, &str),
-        progress: &Progress,
+        survey: Survey,
+        (lines, sky, name): (&[SightLine], &Arc<Sky>, &str),
+        watch: &Watch,
         files: &mut Vec<String>,
     ) -> Result<SkyReport, Failure> {
-        let angles: Vec<f64> = lines.iter().map(|line| line.polarisation_rad).collect();
-        let mut maker = MapMaker::new(survey, &angles, sky, self.isa);
-        let whole = maker
-            .collect(0..self.input.samples, &self.pool, progress, &Sample::signal)
-            .map_err(|error| Failure::internal(format!("{error:?}")))?;
-        if !whole {
-            return Err(Failure::Check(format!(
-                "interrupted while the sky was observed; these are written: {}",
-                files.join(", ")
-            )));
-        }
+        let mut maker = MapMaker::new(survey, Arc::clone(sky), self.isa).map_err(failed)?;
+        maker.collect(0..self.input.samples, self.threads, watch, &Sample::signal).map_err(
+            |error| match error {
+                SurveyError::Stopped => Failure::Check(format!(
+                    "interrupted while the sky was observed; these are written: {}",
+                    files.join(", ")
+                )),
+                other => failed(other),
+            },
+        )?;
         let maps = maker.finish();
-        let solved = solved(&maps);
+        let solved = maps.stokes(CONDITION_LIMIT);
         let (telescope, detector) = super::seen_by(lines);
         if let Some(out) = &self.out {
             let path = beside(out, &format!("{name}-iqu"));
             let seen_by = who(&telescope, &detector);
-            self.write_stokes(&Sink::File(path.clone()), (&maps, &solved), &seen_by)?;
+            self.write_stokes(&Sink::File(path.clone()), &solved, &seen_by)?;
             files.push(path.display().to_string());
         }
-        Ok(SkyReport {
-            left_out_samples: maps.left_out(),
-            unsolved_pixels: solved.iter().filter(|it| it[0].is_nan()).count(),
-        })
+        Ok(SkyReport { left_out_samples: maps.left_out(), unsolved_pixels: solved.unsolved() })
     }
 
-    fn write_stokes(
-        &self,
-        sink: &Sink,
-        (maps, solved): (&BinnedMaps, &[[f64; 4]]),
-        seen_by: &str,
-    ) -> Result<(), Failure> {
-        let nested = |pixel: u32| self.nside.nested(self.layout.ordering, pixel);
-        let part = |index: usize| move |pixel: u32| solved[nested(pixel) as usize][index];
-        let (i, q, u, condition) = (part(0), part(1), part(2), part(3));
-        let hits = |pixel: u32| i64::try_from(maps.hits(nested(pixel))).unwrap_or(i64::MAX);
+    fn write_stokes(&self, sink: &Sink, maps: &StokesMaps, seen_by: &str) -> Result<(), Failure> {
+        let nested = |pixel: u32| self.nside.nested(self.layout.ordering, pixel) as usize;
+        let ([i, q, u], condition) = (maps.iqu(), maps.condition());
+        let i = |pixel: u32| i[nested(pixel)];
+        let q = |pixel: u32| q[nested(pixel)];
+        let u = |pixel: u32| u[nested(pixel)];
+        let condition = |pixel: u32| condition[nested(pixel)];
+        let hits = |pixel: u32| i64::try_from(maps.hits()[nested(pixel)]).unwrap_or(i64::MAX);
         let columns = [
             Column { name: "I_STOKES", unit: "", values: Values::Double(&i) },
             Column { name: "Q_STOKES", unit: "", values: Values::Double(&q) },

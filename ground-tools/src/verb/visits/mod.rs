@@ -24,12 +24,11 @@ use onboard_core::time::{Duration, Instant};
 use planner::opportunities::search;
 use planner::opportunities::{SightLine, select};
 use planner::provenance::Provenance;
-use planner::survey::frame::MapFrame;
-use planner::visits::Visit;
-use planner::visits::counting::{Counting, Sampling, Wait, sampled, waits};
-use planner::visits::crossing::LineOfSight;
-use planner::visits::statistics::VisitStatistics;
-use planner::world::World;
+use planner::survey::{MapFrame, SunTable};
+use planner::visits::{
+    Counting, LineOfSight, Sampling, Sun, Visit, VisitStatistics, Wait, sampled, waits,
+};
+use planner::world::{Tables, World};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write;
@@ -104,7 +103,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Fai
     let table = tables.parse()?;
 
     let mut found = target_visits(&world, table, &lines)?;
-    found.extend(place_visits(&world, table, &lines, &places)?);
+    found.extend(place_visits(&world, &tables, &lines, &places)?);
     if let Some((_, rate_hz)) = rate {
         let sampling = Sampling { start: world.start, rate_hz };
         for it in &mut found {
@@ -228,19 +227,24 @@ fn target_visits<'v>(
 /// The visits of pixels and directions, place by place, line by line.
 fn place_visits<'v>(
     world: &'v World,
-    table: EphemerisTable<'_>,
+    tables: &Tables,
     lines: &'v [SightLine],
     places: &'v [FixedPlace],
 ) -> Result<Vec<Visited<'v>>, Failure> {
-    let sun = world.sun(table)?;
+    let sun = match world.circular_sun {
+        Some(longitude) => Sun::Circular(longitude),
+        None => SunTable::new(tables.fitted.bytes.as_slice())
+            .map(Sun::Table)
+            .map_err(|error| Failure::internal(format!("the fitted table: {error:?}")))?,
+    };
     let pairs: Vec<(&FixedPlace, &SightLine)> =
         places.iter().flat_map(|place| lines.iter().map(move |line| (place, line))).collect();
     pairs
         .par_iter()
         .map(|&(place, line)| {
             let sight = LineOfSight {
-                scan: &world.scan,
-                sun,
+                scan: world.scan,
+                sun: sun.clone(),
                 detector: line.rotation,
                 ends: (world.start, world.end),
             };

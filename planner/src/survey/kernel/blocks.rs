@@ -8,34 +8,32 @@
 //!
 //! Limits: the pixel is the flight core's for every sample; sums are within 1e-11 per sample of its.
 
+use super::arc::Arc;
 use super::axes::{Axes, BlockStart, Geometry, Offsets};
-use super::clock::{SampledScan, phase_at, radians_per_sample};
-use super::detector::Mount;
-use super::lanes::times;
-use super::level::{Level, NODES, Phasors};
-use super::map::SurveyMaps;
-use super::moment::Moment;
+use super::lanes::{offset, times};
+use super::level::{COARSE, FINE, Level, NODES, Phasors};
 use super::pending::Pending;
 use super::pixel::{Grid, Key};
-use super::plain;
 use super::powers::{Multiples, Values};
 use super::sight::Sights;
-use super::sun::{Arc, LONGEST_ARC_S, offset};
-use super::{Run, Survey};
+use crate::survey::clock::{phase_at, radians_per_sample};
+use crate::survey::moment::Moment;
+use crate::survey::mount::Mount;
+use crate::survey::plain;
+use crate::survey::runs::{LONGEST_RUN, Run};
+use crate::survey::sampled::{Pixels, Sampled};
+use crate::survey::sums::Sums;
 use onboard_core::ephemeris::EphemerisError;
 use onboard_core::phase::{Phase, Rotor};
 
-/// Samples of a large block.
-pub(super) const COARSE: usize = 128;
-/// Samples of a small block; large ones start at its multiples.
-pub(super) const FINE: usize = 32;
 /// Most small blocks in a run.
-const RUN_BLOCKS: u64 = 512;
+const RUN_BLOCKS: u64 = LONGEST_RUN / FINE as u64;
 
 /// A survey made ready for `LANES` moments at most.
 #[derive(Debug)]
-pub(super) struct Kernel<'s, const LANES: usize> {
-    pub(super) survey: &'s Survey<'s>,
+pub(in crate::survey) struct Kernel<'s, const LANES: usize> {
+    sampled: &'s Sampled<'s>,
+    on: Pixels,
     pub(super) moments: &'s [Moment],
     geometry: Geometry,
     pub(super) grid: Grid,
@@ -58,7 +56,7 @@ pub(super) struct Kernel<'s, const LANES: usize> {
 
 /// Working space of one thread.
 #[derive(Debug)]
-pub(super) struct Scratch<const LANES: usize> {
+pub(in crate::survey) struct Scratch<const LANES: usize> {
     pub(super) node_axes: Axes<NODES>,
     pub(super) each_axes: Axes<FINE>,
     pub(super) nodes: Sights<NODES>,
@@ -76,9 +74,13 @@ pub(super) struct Scratch<const LANES: usize> {
 }
 
 impl<'s, const LANES: usize> Kernel<'s, LANES> {
-    pub(super) fn new(survey: &'s Survey<'s>, moments: &'s [Moment]) -> Self {
-        let scan = &survey.scan;
-        let (mounts, plates) = Mount::all(scan, survey.detectors);
+    pub(in crate::survey) fn new(
+        sampled: &'s Sampled<'s>,
+        on: Pixels,
+        moments: &'s [Moment],
+    ) -> Self {
+        let scan = &sampled.clock;
+        let (mounts, plates) = sampled.mounts();
         let (precession, spin) =
             (radians_per_sample(scan.precession.rate), radians_per_sample(scan.spin.rate));
         let rates: Vec<f64> = plates.iter().map(|it| radians_per_sample(it.rate)).collect();
@@ -125,13 +127,14 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
             })
             .collect();
         Self {
-            survey,
+            sampled,
+            on,
             moments,
             geometry: Geometry {
                 alpha: (scan.alpha_rad.cos(), scan.alpha_rad.sin()),
-                map_axes: survey.frame.map_axes(),
+                map_axes: on.frame.map_axes(),
             },
-            grid: Grid::new(survey.nside),
+            grid: Grid::new(on.nside),
             mounts,
             plates,
             multiples: Multiples::new(moments),
@@ -147,7 +150,7 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
         }
     }
 
-    pub(super) fn scratch(&self) -> Scratch<LANES> {
+    pub(in crate::survey) fn scratch(&self) -> Scratch<LANES> {
         let multiples = self.multiples.twice.len();
         let moments = self.moments.len();
         Scratch {
@@ -167,37 +170,16 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
         }
     }
 
-    pub(super) const fn survey(&self) -> &'s Survey<'s> {
-        self.survey
-    }
-
-    /// Most samples of a run.
-    pub(super) fn run_samples(scan: &SampledScan) -> u64 {
-        let by_time = LONGEST_ARC_S / scan.period_s();
-        let most = RUN_BLOCKS * FINE as u64;
-        if by_time >= offset(most) {
-            most
-        } else {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "positive and below 2^14"
-            )]
-            let samples = by_time as u64;
-            samples.max(1)
-        }
-    }
-
     /// Collects the samples of a run.
     #[inline(always)]
-    pub(super) fn collect<const FUSED: bool>(
+    pub(in crate::survey) fn collect<const FUSED: bool>(
         &self,
         run: Run,
         scratch: &mut Scratch<LANES>,
-        map: &mut SurveyMaps,
+        sums: &mut Sums,
     ) -> Result<(), EphemerisError> {
-        let scan = &self.survey.scan;
-        let arc = Arc::new(&self.survey.sun, scan, run.first, run.end - 1)?;
+        let scan = &self.sampled.clock;
+        let arc = Arc::new(&self.sampled.sun, scan, (run.first, run.end - 1))?;
         let at = |rotor: Rotor| {
             let (sin, cos) = phase_at(rotor, run.first).sin_cos();
             (cos, sin)
@@ -239,7 +221,7 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
                             index,
                             run.first + first,
                             scratch,
-                            map,
+                            sums,
                         );
                         if !done {
                             scratch.rest.push(index);
@@ -260,7 +242,7 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
                                 (&arc, &start, run.first + first),
                                 (&plates, q),
                                 scratch,
-                                map,
+                                sums,
                             );
                         }
                         scratch.rest = rest;
@@ -276,14 +258,14 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
                         (&arc, &start, run.first + first),
                         (&plates, q),
                         scratch,
-                        map,
+                        sums,
                     );
                     scratch.rest = all;
                     block += 1;
                 }
             }
         }
-        scratch.pending.flush::<0>(&self.grid, map);
+        scratch.pending.flush::<0>(&self.grid, sums);
         Ok(())
     }
 
@@ -291,7 +273,7 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
     #[cold]
     #[inline(never)]
     pub(super) fn decided(&self, index: usize, j: u64) -> Key {
-        Grid::key_of_nested(plain::pixel(self.survey, index, j))
+        Grid::key_of_nested(plain::pixel(self.sampled, self.on, (index, j)))
     }
 
     /// The plates' phasors at a block's start.
@@ -321,7 +303,7 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
         (arc, start, first): (&Arc, &BlockStart, u64),
         (plates, q): (&[(f64, f64)], usize),
         scratch: &mut Scratch<LANES>,
-        map: &mut SurveyMaps,
+        sums: &mut Sums,
     ) {
         self.start_plates::<FUSED>(plates, q, scratch);
         let mut unsettled = std::mem::take(&mut scratch.unsettled);
@@ -330,7 +312,7 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
             Some(level) if count == FINE => {
                 scratch.node_axes.set::<FUSED>(&self.geometry, arc, &level.nodes, start);
                 for &index in detectors {
-                    if !self.smooth::<FUSED, FINE>(level, index, first, scratch, map) {
+                    if !self.smooth::<FUSED, FINE>(level, index, first, scratch, sums) {
                         unsettled.push(index);
                     }
                 }
@@ -341,7 +323,7 @@ impl<'s, const LANES: usize> Kernel<'s, LANES> {
             scratch.each_axes.set::<FUSED>(&self.geometry, arc, &self.each, start);
             self.set_each_plate::<FUSED>(first, scratch);
             for &index in &unsettled {
-                self.each::<FUSED>(index, (first, count), scratch, map);
+                self.each::<FUSED>(index, (first, count), scratch, sums);
             }
         }
         scratch.unsettled = unsettled;

@@ -7,13 +7,13 @@
 
 #![expect(clippy::needless_range_loop, reason = "lanes of several arrays side by side")]
 
-use super::kernel::{COARSE, Kernel, Scratch};
+use super::blocks::{Kernel, Scratch};
 use super::lanes::{madd, times};
-use super::level::{Level, NODES, Phasors, tail};
-use super::map::SurveyMaps;
+use super::level::{COARSE, Level, NODES, Phasors, tail};
 use super::pending::BATCH;
 use super::pixel::{Grid, Key};
 use super::sight::Sights;
+use crate::survey::sums::Sums;
 
 /// Largest two highest Chebyshev coefficients of pixel coordinates, in pixels. Coefficients fall
 /// geometrically: those that reach this by order 6 fall at least fivefold per order, and what is left
@@ -33,7 +33,7 @@ impl<const LANES: usize> Kernel<'_, LANES> {
         index: usize,
         first: u64,
         scratch: &mut Scratch<LANES>,
-        map: &mut SurveyMaps,
+        sums: &mut Sums,
     ) -> bool {
         let mount = &self.mounts[index];
         if LANES > 0 {
@@ -87,7 +87,7 @@ impl<const LANES: usize> Kernel<'_, LANES> {
             (keys[from + 1], from, B),
             (scratch, &mut before),
         );
-        scratch.pending.flush::<BATCH>(&self.grid, map);
+        scratch.pending.flush::<BATCH>(&self.grid, sums);
         true
     }
 

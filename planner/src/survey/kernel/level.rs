@@ -10,10 +10,14 @@
 //! is enough.
 
 use super::axes::Offsets;
-use super::moment::Moment;
-use super::sun::offset;
+use super::lanes::offset;
+use crate::survey::moment::Moment;
 use std::f64::consts::PI;
 
+/// Samples of a large block.
+pub(super) const COARSE: usize = 128;
+/// Samples of a small block; large ones start at its multiples.
+pub(super) const FINE: usize = 32;
 /// Nodes of a block.
 pub(super) const NODES: usize = 8;
 /// Their number less one.

@@ -4,7 +4,7 @@
 //! angle is psi / 2 with psi in (-pi, pi].
 
 use super::lanes::times;
-use super::moment::Moment;
+use crate::survey::moment::Moment;
 
 /// Complex values at `C` samples: real, imaginary.
 pub(super) type Values<const C: usize> = [[f64; C]; 2];

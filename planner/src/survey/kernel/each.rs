@@ -2,13 +2,14 @@
 
 #![expect(clippy::needless_range_loop, reason = "lanes of several arrays side by side")]
 
-use super::clock::phase_at;
-use super::kernel::{FINE, Kernel, Scratch};
+use super::blocks::{Kernel, Scratch};
 use super::lanes::times;
-use super::map::SurveyMaps;
-use super::moment::Moment;
+use super::level::FINE;
 use super::pending::BATCH;
 use super::powers::Values;
+use crate::survey::clock::phase_at;
+use crate::survey::moment::Moment;
+use crate::survey::sums::Sums;
 use onboard_core::phase::{Phase, Rotor};
 
 impl<const LANES: usize> Kernel<'_, LANES> {
@@ -44,7 +45,7 @@ impl<const LANES: usize> Kernel<'_, LANES> {
         index: usize,
         (first, count): (u64, usize),
         scratch: &mut Scratch<LANES>,
-        map: &mut SurveyMaps,
+        sums: &mut Sums,
     ) {
         let mount = &self.mounts[index];
         if LANES > 0 {
@@ -92,7 +93,7 @@ impl<const LANES: usize> Kernel<'_, LANES> {
             scratch.pending.note(key, from..to, &sum);
             from = to;
         }
-        scratch.pending.flush::<BATCH>(&self.grid, map);
+        scratch.pending.flush::<BATCH>(&self.grid, sums);
     }
 }
 

@@ -4,10 +4,9 @@
 //! side by side and added together: their rows are fetched at the same time, not one after the
 //! other, and the arithmetic of their pixels is done in vector registers.
 
-use super::kernel::COARSE;
-use super::level::Phasors;
-use super::map::{SurveyMaps, steps};
+use super::level::{COARSE, Phasors};
 use super::pixel::{Grid, Key};
+use crate::survey::sums::{Sums, steps};
 use std::ops::Range;
 
 /// Crossings that are worth adding together.
@@ -55,7 +54,7 @@ impl<const LANES: usize> Pending<LANES> {
 
     /// Adds to the map what was noted, where it is at least `WORTH` crossings.
     #[inline(always)]
-    pub(super) fn flush<const WORTH: usize>(&mut self, grid: &Grid, map: &mut SurveyMaps) {
+    pub(super) fn flush<const WORTH: usize>(&mut self, grid: &Grid, sums: &mut Sums) {
         if self.count < WORTH {
             return;
         }
@@ -64,9 +63,9 @@ impl<const LANES: usize> Pending<LANES> {
         for (pixel, key) in pixels[..count].iter_mut().zip(&self.keys[..count]) {
             *pixel = grid.nested(*key);
         }
-        map.fetch(&pixels[..count]);
+        sums.fetch(&pixels[..count]);
         for (pixel, row) in pixels[..count].iter().zip(&self.rows[..count]) {
-            map.add(*pixel, row.hits, &row.parts[0], &row.parts[1]);
+            sums.add(*pixel, row.hits, &row.parts[0], &row.parts[1]);
         }
         self.count = 0;
     }

@@ -1,15 +1,18 @@
-//! Where a survey is collected: hits and moments per pixel, in integers.
+//! Where a survey is collected: sums of hits and moments, a row per pixel, in integers.
 //!
 //! Every sum over samples is rounded once per visit of a pixel to a multiple of 2^-40 and added as an
 //! integer, so the order of additions, and with it the number of threads, cannot change a bit. An
 //! h of many samples is off by far less than 1e-12.
 //!
-//! Rows stand in NESTED order, in which neighbours on the sky are neighbours in memory.
+//! Rows stand in NESTED order, in which neighbours on the sky are neighbours in memory, and hold all
+//! that a visit changes side by side. Maps, with an array for each quantity, are made of them at the
+//! end.
 //!
 //! Limits: a row whose hits reach 2^22 is set aside and started again, so that no sum overflows.
 
+use super::maps::SurveyMaps;
 use super::moment::Moment;
-use crate::healpix::{Nside, Ordering};
+use super::sampled::Pixels;
 
 /// Steps of a sum in one.
 const SCALE: f64 = 1_099_511_627_776.0;
@@ -17,11 +20,13 @@ const SCALE: f64 = 1_099_511_627_776.0;
 const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 /// Hits of a row that is set aside.
 const FULL: i64 = 1 << 22;
+/// Parts in which rows are given back while maps are made.
+const PARTS: usize = 16;
 
-/// Hits and sums of a survey, or of one thread's share.
+/// Sums of a survey, or of one thread's share.
 #[derive(Debug, Clone)]
-pub struct SurveyMaps {
-    nside: Nside,
+pub(super) struct Sums {
+    pixels: Pixels,
     moments: Vec<Moment>,
     /// Per pixel: hits, real parts, imaginary parts.
     rows: Vec<i64>,
@@ -30,24 +35,11 @@ pub struct SurveyMaps {
     aside: Vec<(u32, Vec<i128>)>,
 }
 
-/// Bytes that the maps of one thread take.
-#[must_use]
-pub fn map_bytes(nside: Nside, moments: usize) -> u64 {
-    let row = 8 * (1 + 2 * u64::try_from(moments).unwrap_or(u64::MAX / 64));
-    u64::from(nside.pixels()) * row
-}
-
-impl SurveyMaps {
-    pub(super) fn new(nside: Nside, moments: &[Moment]) -> Self {
+impl Sums {
+    pub(super) fn new(pixels: Pixels, moments: &[Moment]) -> Self {
         let stride = 1 + 2 * moments.len();
-        let pixels = nside.pixels() as usize;
-        Self {
-            nside,
-            moments: moments.to_vec(),
-            rows: vec![0; pixels * stride],
-            stride,
-            aside: Vec::new(),
-        }
+        let rows = vec![0; pixels.nside.pixels() as usize * stride];
+        Self { pixels, moments: moments.to_vec(), rows, stride, aside: Vec::new() }
     }
 
     /// Adds `hits` samples of a pixel, at most 2^10, with their sums in steps.
@@ -91,7 +83,7 @@ impl SurveyMaps {
 
     /// Takes over another share of the same survey, which is left empty.
     pub(super) fn take(&mut self, other: &mut Self) {
-        for pixel in 0..self.nside.pixels() {
+        for pixel in 0..self.pixels.nside.pixels() {
             let first = pixel as usize * self.stride;
             let theirs = &mut other.rows[first..first + self.stride];
             if theirs[0] == 0 {
@@ -123,47 +115,48 @@ impl SurveyMaps {
         });
     }
 
-    /// Resolution.
-    #[must_use]
-    pub const fn nside(&self) -> Nside {
-        self.nside
+    /// The maps of what was collected so far.
+    pub(super) fn maps(&self) -> SurveyMaps {
+        let mut maps = SurveyMaps::blank(self.pixels, &self.moments);
+        self.write(0, &self.rows, &mut maps);
+        maps
     }
 
-    /// The moments, in the order asked for.
-    #[must_use]
-    pub fn moments(&self) -> &[Moment] {
-        &self.moments
+    /// The maps, made from the last rows to the first, whose memory is given back as they are done.
+    pub(super) fn into_maps(mut self) -> SurveyMaps {
+        let mut maps = SurveyMaps::blank(self.pixels, &self.moments);
+        let pixels = self.pixels.nside.pixels() as usize;
+        let part = pixels.div_ceil(PARTS);
+        for first in (0..pixels).step_by(part).rev() {
+            let rows = self.rows.split_off(first * self.stride);
+            self.rows.shrink_to_fit();
+            self.write(first, &rows, &mut maps);
+        }
+        maps
     }
 
-    fn cell(&self, nested: u32, index: usize) -> i128 {
-        let here = i128::from(self.rows[nested as usize * self.stride + index]);
-        let aside = self.aside.binary_search_by_key(&nested, |(pixel, _)| *pixel);
-        aside.map_or(here, |at| here + self.aside[at].1[index])
-    }
-
-    /// Samples in a NESTED pixel.
-    #[must_use]
-    pub fn hits(&self, nested: u32) -> u64 {
-        u64::try_from(self.cell(nested, 0)).unwrap_or(0)
-    }
-
-    /// Real and imaginary part of the moment of index `moment` in a NESTED pixel; `None` where it has
-    /// no samples.
-    #[must_use]
+    /// Writes the rows of pixels from `first` on into maps.
     #[expect(clippy::cast_precision_loss, reason = "a quotient of rounded numbers")]
-    pub fn h(&self, nested: u32, moment: usize) -> Option<(f64, f64)> {
-        let hits = self.hits(nested);
-        (hits > 0 && moment < self.moments.len()).then(|| {
-            let per = 1.0 / (SCALE * hits as f64);
-            let re = self.cell(nested, 1 + moment) as f64;
-            let im = self.cell(nested, 1 + self.moments.len() + moment) as f64;
-            (re * per, im * per)
-        })
-    }
-
-    /// Hits of all pixels in an order.
-    pub fn hits_in(&self, ordering: Ordering) -> impl Iterator<Item = u64> + '_ {
-        (0..self.nside.pixels()).map(move |pixel| self.hits(self.nside.nested(ordering, pixel)))
+    fn write(&self, first: usize, rows: &[i64], maps: &mut SurveyMaps) {
+        let count = self.moments.len();
+        let mut whole = vec![0_i128; self.stride];
+        for (pixel, row) in (first..).zip(rows.chunks_exact(self.stride)) {
+            for (cell, &here) in whole.iter_mut().zip(row) {
+                *cell = i128::from(here);
+            }
+            let number = u32::try_from(pixel).unwrap_or(u32::MAX);
+            if let Ok(at) = self.aside.binary_search_by_key(&number, |(pixel, _)| *pixel) {
+                for (cell, more) in whole.iter_mut().zip(&self.aside[at].1) {
+                    *cell += more;
+                }
+            }
+            let hits = u64::try_from(whole[0]).unwrap_or(0);
+            // Not a number where there is no sample.
+            let per = if hits > 0 { 1.0 / (SCALE * hits as f64) } else { f64::NAN };
+            let (re, im) = whole[1..].split_at(count);
+            let parts = re.iter().zip(im).map(|(&re, &im)| (re as f64 * per, im as f64 * per));
+            maps.set(pixel, hits, parts);
+        }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Arithmetic that compilers turn into vector instructions: plain loops over arrays, no branches.
 //!
 //! Everything here and in what calls it is inlined into one function per instruction set
-//! ([`super::isa`]). `FUSED` allows fused multiply-add where the hardware has it.
+//! ([`crate::survey::isa`]). `FUSED` allows fused multiply-add where the hardware has it.
 //!
 //! Limits: results differ between instruction sets in the last bits; decisions that such bits could
-//! turn are taken by the flight core ([`super::plain`]).
+//! turn are taken by the flight core ([`crate::survey::plain`]).
 
 use std::f64::consts::FRAC_2_PI;
 
@@ -18,6 +18,12 @@ pub(super) fn madd<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
 #[inline(always)]
 pub(super) fn times<const FUSED: bool>(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (madd::<FUSED>(a.0, b.0, -(a.1 * b.1)), madd::<FUSED>(a.0, b.1, a.1 * b.0))
+}
+
+/// A number of samples.
+#[expect(clippy::cast_precision_loss, reason = "runs are far shorter than 2^53 samples")]
+pub(super) fn offset(samples: u64) -> f64 {
+    samples as f64
 }
 
 /// Coefficients of `atan(sqrt(s)) / sqrt(s)` in powers of s: interpolation at the Chebyshev points of

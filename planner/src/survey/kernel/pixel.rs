@@ -141,8 +141,8 @@ fn spread(x: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::lanes::quarter_turns;
     use super::*;
-    use crate::survey::lanes::quarter_turns;
     use proptest::prelude::*;
 
     proptest! {

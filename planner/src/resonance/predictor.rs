@@ -1,4 +1,7 @@
-//! Pairs of precession and spin frequencies, and what two of them add to the variance together.
+//! What is known of the pairs of precession and spin frequencies at given angles and window.
+//!
+//! A [`Predictor`] keeps what depends on nothing but the angles and the window, for all motions: each
+//! pair's degrees and powers, and what two of them add to the variance together.
 //!
 //! Method: a pair (k, j) has `sqrt(2l + 1) w_l d_kj(alpha) d_j0(beta)` at each degree. Its power at m and
 //! the products with other pairs' amplitudes at the same m depend on nothing but the angles and the
@@ -7,10 +10,13 @@
 //! Limits: pairs whose power cannot exceed [`NEGLIGIBLE_PAIR`] at any m are left out.
 
 use super::motion::Motion;
-use super::power::{NEGLIGIBLE_PAIR, Predictor};
-use super::wigner::{LANES, RightAngle, fill_wigner_d, wigner_d};
+use super::wigner::{LANES, MAX_L, RightAngle, fill_wigner_d, wigner_d};
+use super::window::Window;
 use pulp::{Arch, NullaryFnOnce};
+use std::collections::BTreeMap;
 
+/// A pair that is left out, by its largest possible power.
+const NEGLIGIBLE_PAIR: f64 = 1e-13;
 /// Rows that are kept.
 const MOST_ROWS: usize = 4096;
 
@@ -45,7 +51,59 @@ impl Pair {
     }
 }
 
+/// Predicts surveys at given angles and window.
+#[derive(Debug, Clone)]
+pub struct Predictor {
+    pub(super) alpha_rad: f64,
+    pub(super) beta_rad: f64,
+    pub(super) window: Window,
+    /// `d^l_j0(beta)` by j, not negative.
+    pub(super) spins: BTreeMap<i32, Vec<f64>>,
+    pub(super) pairs: Vec<Pair>,
+    pub(super) right_angle: RightAngle,
+    /// Index of each pair, or that it is negligible; k not negative.
+    pub(super) index: BTreeMap<(i32, i32), Option<usize>>,
+    /// Products of two pairs by m, over even and odd l.
+    pub(super) products: BTreeMap<(i32, usize, usize), [f64; 2]>,
+    /// Amplitudes by m and pair.
+    pub(super) rows: BTreeMap<(i32, usize), Vec<f64>>,
+}
+
+/// Index of the smooth pair.
+pub(super) const SMOOTH: usize = 0;
+
 impl Predictor {
+    /// No pairs known yet but the smooth one.
+    #[must_use]
+    pub fn new(alpha_rad: f64, beta_rad: f64, window: Window) -> Self {
+        let mut predictor = Self {
+            alpha_rad,
+            beta_rad,
+            window,
+            spins: BTreeMap::new(),
+            pairs: Vec::new(),
+            right_angle: RightAngle::default(),
+            index: BTreeMap::new(),
+            products: BTreeMap::new(),
+            rows: BTreeMap::new(),
+        };
+        let smooth = predictor.make_pair(0, 0);
+        predictor.pairs.push(smooth);
+        predictor.index.insert((0, 0), Some(SMOOTH));
+        predictor
+    }
+
+    /// The window.
+    #[must_use]
+    pub const fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// Largest degree as a signed number.
+    pub(super) fn l_max(&self) -> i32 {
+        i32::try_from(self.window.l_max().min(MAX_L)).unwrap_or(0)
+    }
+
     /// `sqrt(2l + 1) w_l d_kj(alpha) d_j0(beta)`, k not negative.
     pub(super) fn make_pair(&mut self, k: i32, j: i32) -> Pair {
         let size = self.window.weights().len();

@@ -7,8 +7,8 @@
 //! Limits: at a pole of the map psi is 0 where the sine of the colatitude underflows.
 
 use super::axes::Axes;
-use super::detector::Mount;
 use super::lanes::{madd, quarter_turns, times};
+use crate::survey::mount::Mount;
 
 /// Places and crossing angles of one detector at `C` samples.
 #[derive(Debug, Clone)]

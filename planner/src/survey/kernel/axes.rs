@@ -7,8 +7,8 @@
 //! Method: `V_spin = R_y(-alpha) R_z(-a) V_antisun`, with the map's axes V in the anti-Sun frame
 //! from the [`Arc`] of the Sun.
 
+use super::arc::Arc;
 use super::lanes::{madd, times};
-use super::sun::Arc;
 
 /// The map's axes in the spin frame (spin phase left aside), and the spin phase, at `C` samples.
 #[derive(Debug, Clone)]

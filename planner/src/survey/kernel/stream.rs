@@ -12,18 +12,18 @@
 
 #![expect(clippy::needless_range_loop, reason = "lanes of several arrays side by side")]
 
+use super::arc::Arc;
 use super::axes::{Axes, BlockStart, Geometry, Offsets};
-use super::clock::{phase_at, radians_per_sample};
-use super::detector::Mount;
-use super::isa::Isa;
-use super::kernel::{FINE, Kernel};
-use super::lanes::times;
+use super::lanes::{offset, times};
+use super::level::FINE;
 use super::pixel::Grid;
-use super::plain;
 use super::sight::Sights;
-use super::sun::{Arc, offset};
-use super::{MapFrame, Run, Survey, tasks};
-use crate::healpix::Nside;
+use crate::survey::clock::{phase_at, radians_per_sample};
+use crate::survey::isa::{Isa, Set};
+use crate::survey::mount::Mount;
+use crate::survey::plain;
+use crate::survey::runs::{Run, tasks};
+use crate::survey::sampled::{Pixels, Sampled};
 use onboard_core::ephemeris::EphemerisError;
 use onboard_core::phase::Rotor;
 use pulp::NullaryFnOnce;
@@ -59,9 +59,9 @@ pub(crate) struct Block {
 
 /// One of the maps.
 #[derive(Debug)]
-struct View<'s> {
-    /// The survey on this map, for the flight core.
-    survey: Survey<'s>,
+struct View {
+    /// The map's pixels, for the flight core.
+    on: Pixels,
     geometry: Geometry,
     grid: Grid,
     /// The same frame as the view before, whose sights serve again.
@@ -72,8 +72,8 @@ struct View<'s> {
 #[derive(Debug)]
 pub(crate) struct Stream<'s> {
     isa: Isa,
-    survey: &'s Survey<'s>,
-    views: Vec<View<'s>>,
+    sampled: &'s Sampled<'s>,
+    views: Vec<View>,
     mounts: Vec<Mount>,
     /// Per detector: what is added to its crossing angle.
     turns: Vec<(f64, f64)>,
@@ -106,7 +106,7 @@ impl Job {
     }
 
     pub(crate) fn samples(&self) -> u64 {
-        (self.run.end - self.run.first) * self.detectors.len() as u64
+        self.run.samples() * self.detectors.len() as u64
     }
 }
 
@@ -114,36 +114,35 @@ impl Job {
 const JOB_DETECTORS: usize = 4;
 
 impl<'s> Stream<'s> {
-    /// A stream of `survey`'s samples on `maps`; `turn_rad` is added to the crossing angle of each
-    /// detector.
+    /// A stream of samples on `maps`; to the crossing angle of each detector its place in `turns_rad`
+    /// is added.
     pub(crate) fn new(
-        survey: &'s Survey<'s>,
-        maps: &[(MapFrame, Nside)],
-        turn_rad: impl Fn(usize) -> f64,
+        sampled: &'s Sampled<'s>,
+        maps: &[Pixels],
+        turns_rad: &[f64],
         isa: Isa,
     ) -> Self {
-        let scan = &survey.scan;
-        let turns: Vec<(f64, f64)> = (0..survey.detectors.len())
-            .map(|detector| {
-                let (sin, cos) = turn_rad(detector).sin_cos();
-                (cos, sin)
-            })
-            .collect();
-        let (mut mounts, plates) = Mount::all(scan, survey.detectors);
+        let scan = &sampled.clock;
+        let pair = |angle: &f64| {
+            let (sin, cos) = angle.sin_cos();
+            (cos, sin)
+        };
+        let turns: Vec<(f64, f64)> = turns_rad.iter().map(pair).collect();
+        let (mut mounts, plates) = sampled.mounts();
         for (mount, &turn) in mounts.iter_mut().zip(&turns) {
             mount.turn = times::<false>(mount.turn, turn);
         }
         let views = (0..maps.len())
             .map(|index| {
-                let (frame, nside) = maps[index];
+                let on = maps[index];
                 View {
-                    survey: Survey { nside, frame, ..*survey },
+                    on,
                     geometry: Geometry {
                         alpha: (scan.alpha_rad.cos(), scan.alpha_rad.sin()),
-                        map_axes: frame.map_axes(),
+                        map_axes: on.frame.map_axes(),
                     },
-                    grid: Grid::new(nside),
-                    again: index > 0 && maps[index - 1].0 == frame,
+                    grid: Grid::new(on.nside),
+                    again: index > 0 && maps[index - 1].frame == on.frame,
                 }
             })
             .collect();
@@ -157,14 +156,13 @@ impl<'s> Stream<'s> {
             .collect();
         let rate = |rotor: Rotor| radians_per_sample(rotor.rate);
         let offsets = Offsets::new(samples, rate(scan.precession), rate(scan.spin));
-        Self { isa, survey, views, mounts, turns, plates, offsets, plate_offsets }
+        Self { isa, sampled, views, mounts, turns, plates, offsets, plate_offsets }
     }
 
     /// The jobs that samples `span` fall into, in time; they do not depend on the number of threads.
     pub(crate) fn jobs(&self, span: Range<u64>) -> impl Iterator<Item = Job> + use<> {
-        let longest = Kernel::<0>::run_samples(&self.survey.scan);
         let detectors = self.mounts.len();
-        tasks(self.survey, span, longest).into_iter().flatten().flat_map(move |run| {
+        tasks(self.sampled, span).into_iter().flatten().flat_map(move |run| {
             (0..detectors).step_by(JOB_DETECTORS).map(move |first| Job {
                 run,
                 detectors: first..(first + JOB_DETECTORS).min(detectors),
@@ -178,8 +176,8 @@ impl<'s> Stream<'s> {
     /// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
     pub(crate) fn run(&self, job: &Job, mut see: impl FnMut(&Block)) -> Result<(), EphemerisError> {
         let Job { run, detectors } = job;
-        let scan = &self.survey.scan;
-        let arc = Arc::new(&self.survey.sun, scan, run.first, run.end - 1)?;
+        let scan = &self.sampled.clock;
+        let arc = Arc::new(&self.sampled.sun, scan, (run.first, run.end - 1))?;
         let zero = [[0.0; BLOCK]; 2];
         let seen = Seen { pixel: [0; BLOCK], psi: zero };
         let mut scratch = Scratch {
@@ -220,7 +218,7 @@ impl<'s> Stream<'s> {
         (origin, first): (u64, u64),
         scratch: &mut Scratch,
     ) -> Result<(), EphemerisError> {
-        let scan = &self.survey.scan;
+        let scan = &self.sampled.clock;
         let at = |rotor: Rotor| {
             let (sin, cos) = phase_at(rotor, first).sin_cos();
             (cos, sin)
@@ -233,17 +231,17 @@ impl<'s> Stream<'s> {
         for (to, plate) in scratch.plates.iter_mut().zip(&self.plates) {
             *to = at(*plate);
         }
-        match self.isa {
+        match self.isa.set() {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512(it) => {
+            Set::Avx512(it) => {
                 it.vectorize(Fill::<true> { stream: self, arc, start: &start, scratch });
             }
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2(it) => {
+            Set::Avx2(it) => {
                 it.vectorize(Fill::<true> { stream: self, arc, start: &start, scratch });
             }
-            Isa::Portable => Fill::<false> { stream: self, arc, start: &start, scratch }.call(),
-            Isa::Plain => return self.fill_plainly(scratch),
+            Set::Portable => Fill::<false> { stream: self, arc, start: &start, scratch }.call(),
+            Set::Plain => return self.fill_plainly(scratch),
         }
         Ok(())
     }
@@ -253,7 +251,7 @@ impl<'s> Stream<'s> {
             for k in 0..block.count {
                 for (view, seen) in self.views.iter().zip(&mut block.seen) {
                     let j = block.first + k as u64;
-                    let sample = plain::sample(&view.survey, block.detector, j)?;
+                    let sample = plain::sample(self.sampled, view.on, (block.detector, j))?;
                     let (sin, cos) = sample.crossing_angle_rad.sin_cos();
                     let (cos, sin) = times::<false>((cos, sin), self.turns[block.detector]);
                     seen.pixel[k] = sample.pixel;
@@ -271,8 +269,8 @@ impl<'s> Stream<'s> {
     /// The pixels that the flight core decides on.
     #[cold]
     #[inline(never)]
-    fn decide(view: &View<'_>, detector: usize, j: u64) -> u32 {
-        plain::pixel(&view.survey, detector, j)
+    fn decide(&self, view: &View, detector: usize, j: u64) -> u32 {
+        plain::pixel(self.sampled, view.on, (detector, j))
     }
 }
 
@@ -326,7 +324,7 @@ impl<const FUSED: bool> NullaryFnOnce for Fill<'_, '_, FUSED> {
                 for k in 0..block.count {
                     if keys[k] < 0.0 {
                         let j = block.first + k as u64;
-                        seen.pixel[k] = Stream::decide(view, block.detector, j);
+                        seen.pixel[k] = stream.decide(view, block.detector, j);
                     }
                 }
             }
@@ -337,18 +335,20 @@ impl<const FUSED: bool> NullaryFnOnce for Fill<'_, '_, FUSED> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{SampledScan, SunSource, SurveyDetector, SurveySun};
+    use crate::healpix::Nside;
+    use crate::survey::{
+        BigRational, ExactRotor, MapFrame, SampledScan, SunSource, Survey, SurveyDetector,
+        SurveySun,
+    };
     use onboard_core::detector::detector_at;
-    use onboard_core::phase::{Phase, TurnRate};
+    use onboard_core::phase::Phase;
     use onboard_core::rotation::Rotation;
     use onboard_core::time::Instant;
 
-    /// A rotor of so many samples per turn.
-    fn rotor(samples: u128, start_rad: f64) -> Rotor {
-        Rotor {
-            rate: TurnRate::from_bits(u128::MAX / samples),
-            start: Phase::from_radians(start_rad),
-        }
+    /// A rotation of so many seconds, and so samples, per turn.
+    fn rotor(seconds: i64, start_rad: f64) -> ExactRotor {
+        let period_s = BigRational::from_integer(seconds.into());
+        ExactRotor::with_period(&period_s, Phase::from_radians(start_rad)).unwrap()
     }
 
     #[test]
@@ -361,32 +361,33 @@ mod tests {
             (detector_at(0.1, 4.0, -2.0), None),
             (detector_at(0.01, 0.3, 0.2), Some(rotor(19, 0.1))),
         ]
-        .map(|(rotation, plate)| SurveyDetector { rotation, plate });
+        .map(|(rotation, plate)| SurveyDetector { rotation, plate, polarisation_rad: 0.0 });
         let nside = |n: u32| Nside::new(n).unwrap();
         let survey = Survey {
             scan: SampledScan {
                 start: Instant::from_tai_ns(0),
-                period: 1_000_000_000 << 64,
+                sampling_hz: BigRational::from_integer(1.into()),
                 alpha_rad: 0.8,
                 beta_rad: 0.9,
                 precession: rotor(11_541, 1.0),
                 spin: rotor(1201, 2.0),
             },
             sun: SurveySun { source: SunSource::Circular(rotor(31_557_600, 0.3)), step: None },
-            detectors: &detectors,
+            detectors: detectors.to_vec(),
             nside: nside(32),
             frame: MapFrame::Galactic,
-            moments: &[],
+            moments: Vec::new(),
         };
         let maps = [
-            (MapFrame::Galactic, nside(32)),
-            (MapFrame::Galactic, nside(2048)),
-            (MapFrame::Ecliptic, nside(64)),
+            Pixels { frame: MapFrame::Galactic, nside: nside(32) },
+            Pixels { frame: MapFrame::Galactic, nside: nside(2048) },
+            Pixels { frame: MapFrame::Ecliptic, nside: nside(64) },
         ];
+        let sampled = Sampled::of(&survey).unwrap();
         let span = 1_000_000_007..1_000_020_000;
         for isa in ["auto", "avx2", "portable", "plain"] {
             let Ok(isa) = Isa::named(isa) else { continue };
-            let stream = Stream::new(&survey, &maps, |it| turn_rad[it], isa);
+            let stream = Stream::new(&sampled, &maps, &turn_rad, isa);
             let mut seen = 0;
             let near = |(cos, sin): (f64, f64), angle: f64| {
                 assert!(
@@ -399,9 +400,9 @@ mod tests {
                     for k in 0..block.count {
                         seen += 1;
                         let j = block.first + k as u64;
-                        for (&(frame, nside), found) in maps.iter().zip(&block.seen) {
-                            let on_map = Survey { nside, frame, ..survey };
-                            let expected = plain::sample(&on_map, block.detector, j).unwrap();
+                        for (&on, found) in maps.iter().zip(&block.seen) {
+                            let expected =
+                                plain::sample(&sampled, on, (block.detector, j)).unwrap();
                             assert_eq!(found.pixel[k], expected.pixel);
                             let psi = expected.crossing_angle_rad + turn_rad[block.detector];
                             near((found.psi[0][k], found.psi[1][k]), psi);

@@ -1,0 +1,187 @@
+//! How a survey becomes maps: on several threads, one span of samples after the other.
+//!
+//! Method: threads take tasks of consecutive samples from one list, each into sums of its own; these
+//! are integers, so that neither their order nor the number of threads changes a bit.
+//!
+//! Limits: the memory is that of the sums, once per thread, and of one set of maps.
+
+use super::definition::{Survey, SurveyError};
+use super::isa::{Isa, Set};
+use super::kernel::{Kernel, Scratch};
+use super::maps::SurveyMaps;
+use super::moment::MOST_MOMENTS;
+use super::plain;
+use super::runs::{Run, tasks};
+use super::sampled::{Pixels, Sampled};
+use super::sums::Sums;
+use super::threads::pool;
+use crate::progress::Progress;
+use onboard_core::ephemeris::EphemerisError;
+use pulp::NullaryFnOnce;
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+impl Survey {
+    /// The maps of samples `span`, its end not included, on that many threads; 0 takes one for each
+    /// core.
+    ///
+    /// # Errors
+    /// [`SurveyError`], among them [`SurveyError::Stopped`] where `progress` asks for an early end.
+    pub fn run(
+        &self,
+        span: Range<u64>,
+        threads: usize,
+        progress: &dyn Progress,
+    ) -> Result<SurveyMaps, SurveyError> {
+        let mut collector = Collector::new(self.clone(), Isa::best())?;
+        collector.collect(span, threads, progress)?;
+        Ok(collector.finish())
+    }
+}
+
+/// Collects a survey span by span, so that its maps can be looked at on the way.
+#[derive(Debug)]
+pub struct Collector {
+    survey: Survey,
+    isa: Isa,
+    shares: Vec<Sums>,
+}
+
+impl Collector {
+    /// Empty maps.
+    ///
+    /// # Errors
+    /// [`SurveyError::Sampling`] where the strategy cannot be sampled at its rate.
+    pub fn new(survey: Survey, isa: Isa) -> Result<Self, SurveyError> {
+        survey.scan.check()?;
+        Ok(Self { survey, isa, shares: Vec::new() })
+    }
+
+    /// What is surveyed.
+    #[must_use]
+    pub const fn survey(&self) -> &Survey {
+        &self.survey
+    }
+
+    /// Collects samples `span`, its end not included, on that many threads; 0 takes one for each core.
+    ///
+    /// # Errors
+    /// [`SurveyError::Ephemeris`] beyond the Sun's table, [`SurveyError::Stopped`] where `progress`
+    /// asks for an early end: part of the span is collected then.
+    pub fn collect(
+        &mut self,
+        span: Range<u64>,
+        threads: usize,
+        progress: &dyn Progress,
+    ) -> Result<(), SurveyError> {
+        match self.survey.collected().len() {
+            0 => self.collect_lanes::<0>(span, threads, progress),
+            1..=8 => self.collect_lanes::<8>(span, threads, progress),
+            9..=16 => self.collect_lanes::<16>(span, threads, progress),
+            _ => self.collect_lanes::<MOST_MOMENTS>(span, threads, progress),
+        }
+    }
+
+    fn collect_lanes<const LANES: usize>(
+        &mut self,
+        span: Range<u64>,
+        threads: usize,
+        progress: &dyn Progress,
+    ) -> Result<(), SurveyError> {
+        let Self { survey, isa, shares } = self;
+        let pool = pool(threads)?;
+        let sampled = Sampled::of(survey)?;
+        let (on, moments) = (pixels(survey), survey.collected());
+        let kernel: Kernel<'_, LANES> = Kernel::new(&sampled, on, moments);
+        let detectors = survey.detectors.len() as u64;
+        progress.begin("survey", span.end.saturating_sub(span.start) * detectors);
+        let tasks = tasks(&sampled, span);
+        shares.resize_with(shares.len().max(pool.current_num_threads()), || Sums::new(on, moments));
+        let next = AtomicUsize::new(0);
+        let shares: Vec<Mutex<&mut Sums>> = shares.iter_mut().map(Mutex::new).collect();
+        let work = |thread: usize| -> Result<(), EphemerisError> {
+            let Ok(mut sums) = shares[thread].lock() else { return Ok(()) };
+            let mut scratch = kernel.scratch();
+            while !progress.stopped() {
+                let Some(runs) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
+                match isa.set() {
+                    Set::Plain => runs.iter().try_for_each(|&run| {
+                        plain::collect(&sampled, (on, moments), run, &mut sums)
+                    }),
+                    set => run_task(&kernel, (runs, set), &mut scratch, &mut sums),
+                }?;
+                progress.advance(runs.iter().map(Run::samples).sum::<u64>() * detectors);
+            }
+            Ok(())
+        };
+        let done = pool.broadcast(|context| work(context.index()));
+        done.into_iter().collect::<Result<Vec<()>, _>>()?;
+        if progress.stopped() { Err(SurveyError::Stopped) } else { Ok(()) }
+    }
+
+    /// The maps so far.
+    pub fn maps(&mut self) -> SurveyMaps {
+        self.merged().maps()
+    }
+
+    /// The maps; the memory of the sums is given back while they are made.
+    #[must_use]
+    pub fn finish(mut self) -> SurveyMaps {
+        self.merged();
+        self.shares.swap_remove(0).into_maps()
+    }
+
+    /// All threads' shares, merged into the first.
+    fn merged(&mut self) -> &Sums {
+        if self.shares.is_empty() {
+            self.shares.push(Sums::new(pixels(&self.survey), self.survey.collected()));
+        }
+        let (first, others) = self.shares.split_at_mut(1);
+        for other in others {
+            first[0].take(other);
+        }
+        first[0].settle();
+        &self.shares[0]
+    }
+}
+
+const fn pixels(survey: &Survey) -> Pixels {
+    Pixels { nside: survey.nside, frame: survey.frame }
+}
+
+/// Consecutive runs for the kernel.
+struct Task<'t, 's, const FUSED: bool, const LANES: usize> {
+    kernel: &'t Kernel<'s, LANES>,
+    runs: &'t [Run],
+    scratch: &'t mut Scratch<LANES>,
+    sums: &'t mut Sums,
+}
+
+impl<const FUSED: bool, const LANES: usize> NullaryFnOnce for Task<'_, '_, FUSED, LANES> {
+    type Output = Result<(), EphemerisError>;
+
+    /// Inlined, with all that it calls, into a function with the instruction set's features.
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        for &run in self.runs {
+            self.kernel.collect::<FUSED>(run, self.scratch, self.sums)?;
+        }
+        Ok(())
+    }
+}
+
+fn run_task<const LANES: usize>(
+    kernel: &Kernel<'_, LANES>,
+    (runs, set): (&[Run], Set),
+    scratch: &mut Scratch<LANES>,
+    sums: &mut Sums,
+) -> Result<(), EphemerisError> {
+    match set {
+        #[cfg(target_arch = "x86_64")]
+        Set::Avx512(it) => it.vectorize(Task::<true, LANES> { kernel, runs, scratch, sums }),
+        #[cfg(target_arch = "x86_64")]
+        Set::Avx2(it) => it.vectorize(Task::<true, LANES> { kernel, runs, scratch, sums }),
+        Set::Portable | Set::Plain => Task::<false, LANES> { kernel, runs, scratch, sums }.call(),
+    }
+}
