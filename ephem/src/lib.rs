@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | [`random`] | a seed | numbers that are the same in every run |
 //! | [`time`] | texts, scales | `onboard_core::time::Instant` |
+//! | [`ccsds`] | OEM or AEM in KVN or XML | metadata and records with their lines |
 //! | `interpolation`, `daf`, `spk` | bytes of an SPK | states by segment |
 //! | [`kernel`] | an SPK of the planets | barycentric states of bodies |
 //! | `oem`, [`trajectory`] | L2, an SPK or an OEM | barycentric states of the spacecraft |
@@ -27,6 +28,7 @@ pub mod random;
 
 pub mod time;
 mod ecliptic;
+pub mod ccsds;
 mod interpolation;
 mod daf;
 mod spk;
