@@ -8,12 +8,34 @@
 //! Newton's iteration to convergence; then stellar aberration with the observer's barycentric
 //! velocity, `n' = (n/g + b (1 + n.b/(1 + 1/g))) / (1 + n.b)`, `b = v/c`, `1/g = sqrt(1 - b.b)`
 //! [Urban2013, chapter 7]. Fixed sources are aberrated too; tables are used as given.
-//! ICRF to ecliptic is a rotation about x by 84381.448 arcsec.
+//! ICRF to ecliptic is a rotation about x by [`OBLIQUITY_ARCSEC`], 84381.448 arcsec.
 //!
 //! Limits: no light deflection by the Sun (4 mas at 90 deg from it, 18 mas at 25 deg). Light time
 //! needs the target's ephemeris from tau before: 4.2 h for Neptune. 1e-12 rad against independent
 //! programs on the same kernel (`tests/apparent.rs`).
+//!
+//! # Example
+//! ```
+//! use ephem::apparent::{Corrections, Sky};
+//! use ephem::source::Source;
+//! use ephem::time::parse_time;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let start = parse_time("2032-04-01T00:00:00 TDB")?;
+//! let mut sky = Sky::from_l2(start);
+//! let jupiter = Source::by_name("jupiter")?;
+//! let seen = sky.direction(&jupiter, start)?;
+//! sky.corrections = Corrections::Geometric;
+//! // Light time and aberration together move a planet by less than an arcminute.
+//! let shift_rad = seen.separation_rad(sky.direction(&jupiter, start)?);
+//! assert!((1e-6..3e-4).contains(&shift_rad));
+//! // L2 lies in the ecliptic, opposite to the Sun.
+//! assert!(sky.sun_to_spacecraft(start)?.latitude_rad().abs() < 1e-4);
+//! # Ok(())
+//! # }
+//! ```
 
+use crate::ecliptic::{direction_from_icrf, icrf_from_direction};
 use crate::kernel::{EARTH, Kernel, SUN, State, StateError};
 use crate::source::{Place, Source};
 use crate::time::{format_tdb, tdb_seconds};
@@ -131,7 +153,7 @@ impl Sky {
     pub fn sun_to_spacecraft(&self, at: Instant) -> Result<Direction<Ecliptic>, SkyError> {
         let spacecraft = self.trajectory.state(&self.kernel, at)?;
         let sun = self.kernel.state(SUN, at)?;
-        to_ecliptic(spacecraft.position_km - sun.position_km)
+        direction_from_icrf(spacecraft.position_km - sun.position_km)
             .ok_or_else(|| SkyError::Coincident { source_name: "sun".to_owned() })
     }
 
@@ -158,21 +180,26 @@ impl Sky {
             }
             Place::Fixed(direction) => {
                 let velocity = self.observer_state(at)?.velocity_km_s;
-                let unit = from_ecliptic(*direction);
-                return to_ecliptic(aberrated(unit, velocity)).ok_or_else(|| coincident(source));
+                let unit = icrf_from_direction(*direction);
+                return direction_from_icrf(aberrated(unit, velocity))
+                    .ok_or_else(|| coincident(source));
             }
             Place::SolarSystem(naif) => *naif,
         };
         let here = self.observer_state(at)?;
         if self.corrections == Corrections::Geometric {
             let there = self.kernel.state(naif, at)?;
-            return to_ecliptic(there.position_km - here.position_km)
+            return direction_from_icrf(there.position_km - here.position_km)
                 .ok_or_else(|| coincident(source));
         }
         let path = self.light_path(source, naif, &here, at)?;
         let length = path.norm();
-        if length > 0.0 { to_ecliptic(aberrated(path / length, here.velocity_km_s)) } else { None }
-            .ok_or_else(|| coincident(source))
+        if length > 0.0 {
+            direction_from_icrf(aberrated(path / length, here.velocity_km_s))
+        } else {
+            None
+        }
+        .ok_or_else(|| coincident(source))
     }
 
     /// Distance of a body of the kernel from the observer in km: with corrections, the way of the light
@@ -254,22 +281,6 @@ fn aberrated(n: Vector3<f64>, velocity_km_s: Vector3<f64>) -> Vector3<f64> {
     (n * inverse_gamma + b * (1.0 + along / (1.0 + inverse_gamma))) / (1.0 + along)
 }
 
-/// An ICRF vector's direction in the ecliptic of J2000; `None` for a vector without length.
-pub(crate) fn to_ecliptic(icrf: Vector3<f64>) -> Option<Direction<Ecliptic>> {
-    let (sin, cos) = obliquity();
-    Direction::new(icrf.x, cos * icrf.y + sin * icrf.z, cos * icrf.z - sin * icrf.y)
-}
-
-fn from_ecliptic(direction: Direction<Ecliptic>) -> Vector3<f64> {
-    let (sin, cos) = obliquity();
-    let [x, y, z] = direction.xyz();
-    Vector3::new(x, cos * y - sin * z, cos * z + sin * y)
-}
-
-fn obliquity() -> (f64, f64) {
-    libm::sincos((OBLIQUITY_ARCSEC / 3600.0).to_radians())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -301,14 +312,5 @@ mod tests {
         // Between 3.9 and 6.5 au from anywhere near the Earth.
         assert!((5.8e8..9.8e8).contains(&apparent), "{apparent}");
         assert_eq!(sky.distance_km(&Source::by_name("tau_a").unwrap(), at), Ok(None));
-    }
-
-    #[test]
-    fn the_ecliptic_pole_is_where_it_should_be() {
-        let pole = from_ecliptic(Direction::Z);
-        let obliquity = (OBLIQUITY_ARCSEC / 3600.0).to_radians();
-        assert!((pole - Vector3::new(0.0, -obliquity.sin(), obliquity.cos())).norm() < 1e-15);
-        let back = to_ecliptic(pole).unwrap();
-        assert!(back.separation_rad(Direction::Z) < 1e-15);
     }
 }

@@ -8,8 +8,11 @@
 //!
 //! Limits: little-endian files only. A chain is followed at most once around the file.
 
+mod error;
+
+pub use error::{DafError, FilePart};
+
 use crate::convert::count_from_f64;
-use thiserror::Error;
 
 const RECORD: usize = 1024;
 const SUMMARY: usize = 40;
@@ -17,51 +20,6 @@ const SUMMARIES_PER_RECORD: usize = (RECORD - 24) / SUMMARY;
 
 /// What text-mode transfers damage: line ends of all systems, and bytes above 127.
 const TRANSFER_PROBE: &[u8; 28] = b"FTPSTR:\r:\n:\r\n:\r\x00:\x81:\x10\xce:ENDFTP";
-
-/// Why a file is not a usable SPK.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum DafError {
-    /// Shorter than a DAF can be.
-    #[error("is too short to be an SPK: {0} bytes, and the file record alone takes 1024")]
-    TooShort(usize),
-    /// Not a DAF at all.
-    #[error("is not a SPICE DAF: it begins with '{0}' instead of 'DAF/SPK'")]
-    NotDaf(String),
-    /// A DAF of another kind.
-    #[error("is a SPICE file of type '{0}', not an SPK ('DAF/SPK')")]
-    NotSpk(String),
-    /// Written on a big-endian machine.
-    #[error(
-        "is big-endian (BIG-IEEE); only little-endian (LTL-IEEE) is read: convert it with NAIF's bingo"
-    )]
-    BigEndian,
-    /// No known byte order.
-    #[error("has the unknown byte order '{0}': legal is LTL-IEEE")]
-    ByteOrder(String),
-    /// Line ends were translated on the way.
-    #[error("was damaged by a transfer in text mode: copy it again in binary mode")]
-    TextTransfer,
-    /// The file ends before what it describes.
-    #[error("is truncated: {what} ends at byte {needed}, the file at byte {found}")]
-    Truncated {
-        /// What lies beyond the end.
-        what: String,
-        /// Bytes needed.
-        needed: usize,
-        /// Bytes there.
-        found: usize,
-    },
-    /// A number of the file's structure is impossible.
-    #[error("is damaged: {what} is {found}; legal is {legal}")]
-    Structure {
-        /// Which number.
-        what: String,
-        /// Its value.
-        found: String,
-        /// What it may be.
-        legal: String,
-    },
-}
 
 /// One array's summary.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,14 +36,6 @@ pub(crate) struct Summary {
     pub(crate) end: usize,
 }
 
-fn structure(
-    what: impl Into<String>,
-    found: impl core::fmt::Display,
-    legal: impl Into<String>,
-) -> DafError {
-    DafError::Structure { what: what.into(), found: found.to_string(), legal: legal.into() }
-}
-
 /// The doubles of a file, from its first byte; a rest of less than eight bytes is left out.
 pub(crate) fn doubles(bytes: &[u8]) -> Vec<f64> {
     bytes.as_chunks::<8>().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect()
@@ -99,44 +49,40 @@ pub(crate) fn summaries(bytes: &[u8]) -> Result<Vec<Summary>, DafError> {
     let integer = |offset: usize| i32_at(head, offset).ok_or_else(too_short);
     let (nd, ni) = (integer(8)?, integer(12)?);
     if (nd, ni) != (2, 6) {
-        return Err(structure("the summary format (ND, NI)", format!("({nd}, {ni})"), "(2, 6)"));
+        return Err(DafError::SummaryFormat { nd, ni });
     }
     let free = integer(84)?;
     let used = usize::try_from(free)
         .ok()
         .and_then(|free| free.checked_sub(1))
         .and_then(|doubles| doubles.checked_mul(8))
-        .ok_or_else(|| structure("the first free address", free, "positive"))?;
+        .ok_or(DafError::FreeAddress(free))?;
     if used > bytes.len() {
-        let what = "its data".to_owned();
-        return Err(DafError::Truncated { what, needed: used, found: bytes.len() });
+        let part = FilePart::Data;
+        return Err(DafError::Truncated { part, needed: used, found: bytes.len() });
     }
     let records = bytes.len().div_ceil(RECORD);
-    let record_number = |what: &str, value: i32| {
-        usize::try_from(value)
+    let record_number = |end, found: i32| {
+        usize::try_from(found)
             .ok()
             .filter(|number| (2..=records).contains(number))
-            .ok_or_else(|| structure(what, value, format!("2 to {records} (the file's records)")))
+            .ok_or(DafError::SummaryRecord { end, found, records })
     };
-    let forward = record_number("the first summary record's number", integer(76)?)?;
-    let backward = record_number("the last summary record's number", integer(80)?)?;
+    let forward = record_number("first", integer(76)?)?;
+    let backward = record_number("last", integer(80)?)?;
     let mut found = Vec::new();
     let (mut record, mut previous) = (forward, 0);
     for _ in 0..records {
         let next = read_record(bytes, record, previous, &mut found)?;
         if next == 0 {
             if record != backward {
-                return Err(structure(
-                    "the last summary record's number",
-                    backward,
-                    format!("{record}, where the chain ends"),
-                ));
+                return Err(DafError::ChainEnd { found: backward, end: record });
             }
             return Ok(found);
         }
         (previous, record) = (record, next);
     }
-    Err(structure("the chain of summary records", "a loop", "a chain that ends"))
+    Err(DafError::ChainLoop)
 }
 
 fn check_identity(head: &[u8]) -> Result<(), DafError> {
@@ -172,31 +118,26 @@ fn read_record(
 ) -> Result<usize, DafError> {
     let offset = (record - 1) * RECORD;
     let cut = || DafError::Truncated {
-        what: format!("summary record {record}"),
+        part: FilePart::SummaryRecord(record),
         needed: offset + RECORD,
         found: bytes.len(),
     };
     let content = bytes.get(offset..offset + RECORD).ok_or_else(cut)?;
     let records = bytes.len().div_ceil(RECORD);
-    let control = |index: usize, what: &str, last: usize| {
-        let value = f64_at(content, index * 8).unwrap_or(f64::NAN);
-        count_from_f64(value).filter(|count| *count <= last).ok_or_else(|| {
-            structure(
-                format!("{what} of summary record {record}"),
-                value,
-                format!("a whole number, 0 to {last}"),
-            )
+    let control = |index: usize, what: &'static str, last: usize| {
+        let found = f64_at(content, index * 8).unwrap_or(f64::NAN);
+        count_from_f64(found).filter(|count| *count <= last).ok_or(DafError::Control {
+            what,
+            record,
+            found,
+            last,
         })
     };
     let next = control(0, "the next record", records)?;
     let before = control(1, "the previous record", records)?;
     let count = control(2, "the number of summaries", SUMMARIES_PER_RECORD)?;
     if before != previous {
-        return Err(structure(
-            format!("the previous record of summary record {record}"),
-            before,
-            previous.to_string(),
-        ));
+        return Err(DafError::Previous { record, found: before, previous });
     }
     for index in 0..count {
         let number = found.len() + 1;
@@ -208,7 +149,7 @@ fn read_record(
 fn read_summary(
     content: &[u8],
     offset: usize,
-    number: usize,
+    segment: usize,
     length: usize,
 ) -> Result<Summary, DafError> {
     let time = |offset| f64_at(content, offset).unwrap_or(f64::NAN);
@@ -217,41 +158,25 @@ fn read_summary(
     // Two hundred thousand years: beyond any ephemeris, within any arithmetic here.
     let plausible = |time: f64| time.is_finite() && time.abs() < 6.4e12;
     if !(plausible(start_s) && plausible(end_s) && start_s < end_s) {
-        return Err(structure(
-            format!("the coverage of segment {number} (TDB seconds)"),
-            format!("{start_s} to {end_s}"),
-            "finite, the end after the start",
-        ));
+        return Err(DafError::Coverage { segment, start_s, end_s });
     }
     let (first, last) = (integer(4), integer(5));
-    let addresses = (usize::try_from(first), usize::try_from(last));
-    let (Ok(first @ 1..), Ok(end)) = addresses else {
-        return Err(structure(
-            format!("the addresses of segment {number}"),
-            format!("{first} to {last}"),
-            "positive",
-        ));
+    let refuse = |legal| DafError::Addresses { segment, first, last, legal };
+    let (Ok(first @ 1..), Ok(end)) = (usize::try_from(first), usize::try_from(last)) else {
+        return Err(refuse("positive"));
     };
     if end <= first {
-        return Err(structure(
-            format!("the addresses of segment {number}"),
-            format!("{first} to {end}"),
-            "in rising order",
-        ));
+        return Err(refuse("in rising order"));
     }
     if end > length / 8 {
         return Err(DafError::Truncated {
-            what: format!("segment {number}"),
+            part: FilePart::Segment(segment),
             needed: end.saturating_mul(8),
             found: length,
         });
     }
     if first <= 2 * RECORD / 8 {
-        return Err(structure(
-            format!("the first address of segment {number}"),
-            first,
-            "beyond the file's first records (257 or more)",
-        ));
+        return Err(DafError::FirstAddress { segment, first });
     }
     Ok(Summary {
         start_s,

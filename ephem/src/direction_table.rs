@@ -13,7 +13,7 @@
 
 use crate::convert::f64_from_i64;
 use crate::interpolation::{central_window, lagrange_weights};
-use crate::time::nanoseconds;
+use crate::time::exact_ns;
 use nalgebra::Vector3;
 use onboard_core::time::NS_PER_SECOND;
 use thiserror::Error;
@@ -123,7 +123,7 @@ impl DirectionTable {
     fn push_time(&mut self, line: u64, text: &str) -> Result<(), TableError> {
         let value = || text.to_owned();
         let legal = "a number of seconds with up to nine decimals";
-        let elapsed = exact_ns(text).ok_or_else(|| TableError::Number {
+        let elapsed = ns_from_seconds(text).ok_or_else(|| TableError::Number {
             line,
             column: "elapsed_s",
             value: value(),
@@ -191,7 +191,7 @@ impl DirectionTable {
 }
 
 /// A decimal number of seconds as ns, exactly; `None` with more than nine decimals or an exponent.
-fn exact_ns(text: &str) -> Option<i64> {
+fn ns_from_seconds(text: &str) -> Option<i64> {
     let (negative, digits) = match text.strip_prefix('-') {
         Some(digits) => (true, digits),
         None => (false, text.strip_prefix('+').unwrap_or(text)),
@@ -204,7 +204,7 @@ fn exact_ns(text: &str) -> Option<i64> {
     let whole = if whole.is_empty() { "0" } else { whole };
     let fraction = if fraction.is_empty() { "0" } else { fraction };
     let ns = whole.parse::<i64>().ok()?.checked_mul(NS_PER_SECOND)?;
-    let ns = ns.checked_add(nanoseconds(fraction)?)?;
+    let ns = ns.checked_add(exact_ns(fraction)?)?;
     Some(if negative { -ns } else { ns })
 }
 
@@ -229,7 +229,7 @@ mod tests {
             ("-", None),
             ("99999999999", None),
         ] {
-            let read = exact_ns(text);
+            let read = ns_from_seconds(text);
             assert_eq!(read, ns, "{text}");
         }
     }

@@ -12,121 +12,48 @@
 //! Limits: tolerances from 1e-12 rad. A break is moved earlier by less than a ns per granule of the
 //! span before it, so that spans meet. A granule shorter than 60 s is refused. Default: the Sun and
 //! five planets over three years within 1 mas take 12.4 KiB (`tests/fit.rs`).
+//!
+//! # Example
+//! ```
+//! use ephem::apparent::Sky;
+//! use ephem::fit::{FitOptions, MILLIARCSECOND_RAD, fit};
+//! use ephem::source::Source;
+//! use ephem::time::parse_time;
+//! use onboard_core::ephemeris::EphemerisTable;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let span = (parse_time("2032-04-01T00:00:00 TDB")?, parse_time("2032-05-01T00:00:00 TDB")?);
+//! let sky = Sky::from_l2(span.0);
+//! let jupiter = Source::by_name("jupiter")?;
+//! let fitted = fit(&sky, std::slice::from_ref(&jupiter), span, &FitOptions::UPLINK)?;
+//! assert!(fitted.bodies.iter().all(|body| body.max_error_rad <= MILLIARCSECOND_RAD));
+//! let table = EphemerisTable::parse(&fitted.bytes).map_err(|error| format!("{error:?}"))?;
+//! let state = table.body(jupiter.body()).and_then(|body| body.state(span.0));
+//! let onboard = state.map_err(|error| format!("{error:?}"))?.direction;
+//! assert!(onboard.separation_rad(sky.direction(&jupiter, span.0)?) < 2.0 * MILLIARCSECOND_RAD);
+//! # Ok(())
+//! # }
+//! ```
 
-mod body;
+mod error;
+mod options;
 mod bounds;
 mod master;
 mod shape;
+mod body;
 
-use crate::apparent::{Sky, SkyError};
+pub use error::FitError;
+pub use options::{FitOptions, MILLIARCSECOND_RAD};
+
+use crate::apparent::Sky;
 use crate::chebyshev::Transform;
 use crate::sight::Sight;
 use crate::source::Source;
-use crate::time::format_tdb;
 use body::{FittedSpan, Job};
-use core::f64::consts::PI;
 use core::num::NonZeroU64;
-use onboard_core::ephemeris::{MAX_COEFFICIENTS, SPAN_BYTES, Span};
+use onboard_core::ephemeris::{SPAN_BYTES, Span};
 use onboard_core::time::Instant;
 use shape::Tables;
-use thiserror::Error;
-
-/// One milliarcsecond in radians.
-pub const MILLIARCSECOND_RAD: f64 = PI / (180.0 * 3_600_000.0);
-
-/// Smallest tolerance that the rounding of times and states allows.
-const SMALLEST_TOLERANCE_RAD: f64 = 1e-12;
-const LARGEST_TOLERANCE_RAD: f64 = 1e-3;
-const FEWEST_COEFFICIENTS: u16 = 4;
-
-/// How well to fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FitOptions {
-    /// Largest angle between table and sky in radians, 1e-12 to 1e-3.
-    pub tolerance_rad: f64,
-    /// Largest angle where a tabulated trajectory is too rough for that one; not below it.
-    ///
-    /// The tolerance then grows tenfold up to this, for the bodies concerned.
-    pub rough_tolerance_rad: f64,
-    /// Most coefficients of a granule, 4 to 64: fewer are quicker to evaluate, more take less space.
-    pub max_coefficients: u16,
-}
-
-impl FitOptions {
-    /// For uplink: within 1 mas, few bytes, and short enough series to be quick on board.
-    pub const UPLINK: Self = Self {
-        tolerance_rad: MILLIARCSECOND_RAD,
-        rough_tolerance_rad: MILLIARCSECOND_RAD,
-        max_coefficients: 24,
-    };
-    /// For the ground: as exact as the sky itself, quick to evaluate; 1 mas on a rough trajectory.
-    pub const GROUND: Self = Self {
-        tolerance_rad: 5e-12,
-        rough_tolerance_rad: MILLIARCSECOND_RAD,
-        max_coefficients: 16,
-    };
-}
-
-/// Why there is no table.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum FitError {
-    /// The tolerance is out of range.
-    #[error("the table's tolerance is {0} rad; legal is 1e-12 to 1e-3")]
-    Tolerance(f64),
-    /// The tolerance for rough trajectories is out of range.
-    #[error(
-        "the table's tolerance for rough trajectories is {found} rad; legal is {least} to 1e-3"
-    )]
-    RoughTolerance {
-        /// Its value.
-        found: f64,
-        /// The other tolerance.
-        least: f64,
-    },
-    /// The number of coefficients is out of range.
-    #[error("the table's most coefficients are {0}; legal is 4 to 64")]
-    Coefficients(u16),
-    /// The span is empty.
-    #[error(
-        "the table's span runs from {} to {} TDB; the end must be later than the start",
-        format_tdb(*start), format_tdb(*end)
-    )]
-    Span {
-        /// Its start.
-        start: Instant,
-        /// Its end.
-        end: Instant,
-    },
-    /// Two sources have one body number.
-    #[error("the source '{name}' is given twice (body number {body})")]
-    Twice {
-        /// Its name.
-        name: String,
-        /// The number.
-        body: i32,
-    },
-    /// The sky has no answer within the span.
-    #[error(transparent)]
-    Sky(#[from] SkyError),
-    /// No granule of 60 s or more is good enough.
-    #[error(
-        "the direction of '{name}' is too rough at {} TDB: granules of 60 s reach {reached_rad:.1e} rad, not {tolerance_rad:.1e}",
-        format_tdb(*at)
-    )]
-    TooRough {
-        /// The source.
-        name: String,
-        /// Where.
-        at: Instant,
-        /// Error reached.
-        reached_rad: f64,
-        /// Tolerance asked for.
-        tolerance_rad: f64,
-    },
-    /// More numbers than a table can count.
-    #[error("the table would hold {0} coefficients; legal is below 4294967296")]
-    TooLarge(u64),
-}
 
 /// How one body was fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -167,17 +94,7 @@ pub fn fit(
     options: &FitOptions,
 ) -> Result<FittedTable, FitError> {
     let (start, end) = span;
-    let tolerance = options.tolerance_rad;
-    if !(SMALLEST_TOLERANCE_RAD..=LARGEST_TOLERANCE_RAD).contains(&tolerance) {
-        return Err(FitError::Tolerance(tolerance));
-    }
-    let found = options.rough_tolerance_rad;
-    if !(tolerance..=LARGEST_TOLERANCE_RAD).contains(&found) {
-        return Err(FitError::RoughTolerance { found, least: tolerance });
-    }
-    if !(FEWEST_COEFFICIENTS..=MAX_COEFFICIENTS).contains(&options.max_coefficients) {
-        return Err(FitError::Coefficients(options.max_coefficients));
-    }
+    options.check()?;
     if start >= end {
         return Err(FitError::Span { start, end });
     }

@@ -10,31 +10,42 @@
 //! Limits: bodies 4 to 8 are system barycentres. Low bits of a coefficient may be wrong unseen: up
 //! to 1e-10 of the distance (`tests/bad_kernel.rs`); the SHA-256 tells. Segments of one body are
 //! taken to leave no gap when coverage is stated; a gap is found on use.
+//!
+//! # Example
+//! ```
+//! use ephem::kernel::{EARTH, Kernel, MOON, SUN};
+//! use ephem::time::parse_time;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let kernel = Kernel::embedded();
+//! let at = parse_time("2032-04-01T00:00:00 TDB")?;
+//! let earth = kernel.state(EARTH, at)?;
+//! let from_sun = earth.position_km - kernel.state(SUN, at)?.position_km;
+//! // The Earth passes its mean distance of 1 au in the first days of April.
+//! assert!((from_sun.norm() / 149_597_870.7 - 1.0).abs() < 1e-3);
+//! assert!((earth.velocity_km_s.norm() - 29.8).abs() < 0.2);
+//! let (start, end) = kernel.coverage(MOON).ok_or("no Moon")?;
+//! assert!(start < at && at < end);
+//! # Ok(())
+//! # }
+//! ```
 
+mod bodies;
 mod error;
 
-pub use crate::daf::DafError;
-pub use crate::spk::SpkError;
-pub use error::{KernelError, StateError, body_name};
+pub use crate::daf::{DafError, FilePart};
+pub use crate::spk::{LegalNumber, SpkError};
+pub use bodies::{EARTH, EARTH_MOON_BARYCENTER, MOON, SOLAR_SYSTEM_BARYCENTER, SUN, body_name};
+pub use error::{KernelError, StateError};
 
 use crate::interpolation::PosVel;
 use crate::spk::{Link, Spk, Unsupported};
 use crate::time::{from_tdb_seconds, tdb_seconds};
+use bodies::LONGEST_CHAIN;
 use nalgebra::Vector3;
 use onboard_core::time::{Duration, Instant};
 use sha2::{Digest, Sha256};
 use std::path::Path;
-
-/// NAIF's number of the Sun.
-pub const SUN: i32 = 10;
-/// NAIF's number of the barycentre of Earth and Moon.
-pub const EARTH_MOON_BARYCENTER: i32 = 3;
-/// NAIF's number of the Earth.
-pub const EARTH: i32 = 399;
-/// NAIF's number of the Moon.
-pub const MOON: i32 = 301;
-/// NAIF's number of the solar system barycentre.
-pub const SOLAR_SYSTEM_BARYCENTER: i32 = 0;
 
 const EMBEDDED: &[u8] = include_bytes!("../data/de440-2024-2046.bsp");
 const EMBEDDED_NAME: &str = "de440-2024-2046.bsp";
@@ -57,8 +68,6 @@ const DISTANCES_KM: [(i32, i32, f64, f64); 11] = [
     (MOON, EARTH, 3.4e5, 4.2e5),
     (EARTH, EARTH_MOON_BARYCENTER, 4.1e3, 5.1e3),
 ];
-/// Longest chain of segments from a body to the barycentre.
-const LONGEST_CHAIN: usize = 8;
 /// Coverage is stated this much narrower, for the rounding of TDB seconds.
 const EDGE: Duration = Duration::from_ns(1_000);
 

@@ -3,6 +3,17 @@
 //! Method: splitmix64 \[Steele2014\]; a seed names the whole sequence.
 //!
 //! Limits: for the choice of samples, not for secrets.
+//!
+//! # Example
+//! ```
+//! use ephem::random::SplitMix64;
+//!
+//! let mut random = SplitMix64(2032);
+//! let (share, index) = (random.unit(), random.up_to(9));
+//! assert!((0.0..1.0).contains(&share) && (0..=9).contains(&index));
+//! // The same seed gives the same numbers.
+//! assert_eq!(SplitMix64(2032).unit().to_bits(), share.to_bits());
+//! ```
 
 use crate::convert::f64_from_u64;
 

@@ -15,7 +15,25 @@
 //!
 //! Limits: `mercury` to `neptune` are the system barycentres 1, 2 and 4 to 8. Tau A, Cas A and Cen A
 //! are extended by arcminutes (Cen A's lobes by degrees); fixed directions have no proper motion.
+//!
+//! # Example
+//! ```
+//! use ephem::source::{FIRST_OWN_SOURCE, Source, SourceError, names};
+//!
+//! assert!(names().any(|name| name == "tau_a"));
+//! let jupiter = Source::by_name("jupiter")?;
+//! assert_eq!(jupiter.body(), 5);
+//! let own = Source::at_icrs("orion_a", 0, 83.82, -5.39)?;
+//! assert_eq!((own.name(), own.body()), ("orion_a", FIRST_OWN_SOURCE));
+//! let refusal = Source::at_ecliptic("pole", 1, 0.0, 91.0).map(|_| ()).unwrap_err();
+//! assert_eq!(
+//!     refusal.to_string(),
+//!     "source 'pole': ecliptic_latitude_deg is 91 deg; legal is -90 to 90"
+//! );
+//! # Ok::<(), SourceError>(())
+//! ```
 
+use crate::ecliptic::direction_from_icrf;
 use crate::kernel::{EARTH, MOON, SUN};
 use onboard_core::direction::Direction;
 use onboard_core::ephemeris::FIRST_USER_BODY;
@@ -217,5 +235,5 @@ fn from_icrs(right_ascension_rad: f64, declination_rad: f64) -> Direction<Eclipt
     let direction =
         Direction::<Icrf>::from_longitude_latitude(right_ascension_rad, declination_rad);
     // A unit vector has a direction, so the fallback is never taken.
-    crate::apparent::to_ecliptic(direction.xyz().into()).unwrap_or(Direction::Z)
+    direction_from_icrf(direction.xyz().into()).unwrap_or(Direction::Z)
 }

@@ -10,75 +10,21 @@
 //! record times, finite and plausible numbers. A changed coefficient that keeps its size is caught
 //! where neighbouring Chebyshev records no longer meet (`Spk::check_joints`).
 
+mod error;
 mod segment;
 
+pub use error::{LegalNumber, SpkError};
+pub(crate) use segment::Unsupported;
+
 use crate::convert::count_from_f64;
-use crate::daf::{DafError, Summary, doubles, summaries};
-use crate::interpolation::{PosVel, StateSeries};
+use crate::daf::{Summary, doubles, summaries};
+use crate::interpolation::PosVel;
 use anise::naif::daf::NAIFDataSet;
 use anise::naif::daf::datatypes::{Type2ChebyshevSet, Type3ChebyshevSet};
 use anise::naif::spk::summary::SPKSummaryRecord;
 use nalgebra::Vector3;
-use segment::Reader;
+use segment::{Content, Reader};
 use std::collections::BTreeMap;
-use thiserror::Error;
-
-/// Why an SPK file is refused.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum SpkError {
-    /// Its structure as a DAF is wrong.
-    #[error(transparent)]
-    Daf(#[from] DafError),
-    /// It holds no segment.
-    #[error("holds no segment")]
-    Empty,
-    /// A number inside a segment is impossible.
-    #[error("is damaged: in segment {segment} (body {body}), {what} is {found}; legal is {legal}")]
-    Segment {
-        /// Segment, counted from 1.
-        segment: usize,
-        /// Its body.
-        body: i32,
-        /// Which number.
-        what: &'static str,
-        /// Its value.
-        found: f64,
-        /// What it may be.
-        legal: String,
-    },
-    /// Two neighbouring records do not meet.
-    #[error(
-        "is damaged: in segment {segment} (body {body}), records {record} and {next} are {jump_km} km apart where they meet; legal is {legal_km} km",
-        next = record + 1
-    )]
-    Joint {
-        /// Segment, counted from 1.
-        segment: usize,
-        /// Its body.
-        body: i32,
-        /// The earlier record, counted from 1.
-        record: usize,
-        /// Distance of the two records' positions.
-        jump_km: f64,
-        /// Largest distance accepted.
-        legal_km: f64,
-    },
-}
-
-/// A segment that cannot be evaluated, though its file is sound.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Unsupported {
-    Type(i32),
-    Frame(i32),
-}
-
-#[derive(Debug, Clone)]
-enum Content {
-    Chebyshev,
-    ChebyshevWithVelocity,
-    Discrete(StateSeries),
-    Unsupported(Unsupported),
-}
 
 #[derive(Debug, Clone)]
 struct Segment {

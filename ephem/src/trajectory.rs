@@ -9,6 +9,28 @@
 //!
 //! Limits: L2 is the point itself, not an orbit about it, which strays to 0.3 deg as seen from the
 //! Sun. EME2000 is taken as ICRF (23 mas at most). `tests/trajectory.rs` compares with SPICE.
+//!
+//! # Example
+//! ```
+//! use ephem::kernel::{EARTH, Kernel};
+//! use ephem::time::parse_time;
+//! use ephem::trajectory::Trajectory;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let oem = "CCSDS_OEM_VERS = 2.0\nMETA_START\nCENTER_NAME = EARTH\nREF_FRAME = ICRF\n\
+//!            TIME_SYSTEM = TDB\nSTART_TIME = 2032-04-01T00:00:00\nSTOP_TIME = 2032-04-02T00:00:00\n\
+//!            META_STOP\n2032-04-01T00:00:00 1500000 0 0 0 0.5 0\n\
+//!            2032-04-02T00:00:00 1500000 43200 0 0 0.5 0\n";
+//! let kernel = Kernel::embedded();
+//! let noon = parse_time("2032-04-01T12:00:00 TDB")?;
+//! let earth = kernel.state(EARTH, noon)?.position_km;
+//! let seen = Trajectory::from_oem("halo.oem", oem)?.state(&kernel, noon)?.position_km - earth;
+//! assert!((seen.y - 21_600.0).abs() < 1e-6);
+//! let l2 = Trajectory::l2().state(&kernel, noon)?.position_km - earth;
+//! assert!((1.4e6..1.6e6).contains(&l2.norm()));
+//! # Ok(())
+//! # }
+//! ```
 
 use crate::kernel::{
     EARTH_MOON_BARYCENTER, Kernel, SOLAR_SYSTEM_BARYCENTER, SUN, State, StateError, file_name,
@@ -45,7 +67,7 @@ pub enum TrajectoryError {
     },
     /// Neither an SPK nor an OEM.
     #[error(
-        "the trajectory '{name}' is neither an SPK (which begins with 'DAF/SPK') nor a CCSDS OEM in KVN (which begins with 'CCSDS_OEM_VERS')"
+        "the trajectory '{name}' is neither an SPK (which begins with 'DAF/SPK') nor a CCSDS OEM (in KVN, which begins with 'CCSDS_OEM_VERS', or in XML, whose element 'oem' has that id)"
     )]
     Kind {
         /// File name.

@@ -8,6 +8,28 @@
 //!
 //! Limits: sampling finds typical errors, not every peak; a hundred samples per granule come within
 //! a few per cent.
+//!
+//! # Example
+//! ```
+//! use ephem::apparent::Sky;
+//! use ephem::fit::{FitOptions, MILLIARCSECOND_RAD, fit};
+//! use ephem::source::Source;
+//! use ephem::time::parse_time;
+//! use ephem::verify::verify;
+//! use onboard_core::ephemeris::EphemerisTable;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let span = (parse_time("2032-04-01T00:00:00 TDB")?, parse_time("2032-05-01T00:00:00 TDB")?);
+//! let sky = Sky::from_l2(span.0);
+//! let sources = [Source::by_name("mars")?];
+//! let fitted = fit(&sky, &sources, span, &FitOptions::UPLINK)?;
+//! let table = EphemerisTable::parse(&fitted.bytes).map_err(|error| format!("{error:?}"))?;
+//! for check in verify(table, &sky, &sources, 200, 1)? {
+//!     assert!(check.max_error_rad < MILLIARCSECOND_RAD && check.bounds_hold, "{check:?}");
+//! }
+//! # Ok(())
+//! # }
+//! ```
 
 use crate::apparent::{Sky, SkyError};
 use crate::convert::i64_from_f64;

@@ -164,6 +164,67 @@ fn what_pointing_writes_verifies() {
 }
 
 #[test]
+fn an_aem_may_say_the_same_in_other_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = attitudes(&stdout(folder.path(), &POINTING, ""));
+    // A tenth decimal below five changes nothing.
+    let finer: Vec<Attitude> = rows
+        .iter()
+        .map(|(time, quaternion)| (format!("{}4", time.replace("04-01T", "092T")), *quaternion))
+        .collect();
+    let (good, first) = (kvn(&finer, "2.0", ""), kvn(&finer, "1.0", ""));
+    let swap = |text: &str, pairs: &[(&str, &str)]| {
+        pairs.iter().fold(text.to_owned(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        })
+    };
+    for text in [
+        good.clone(),
+        swap(&good, &[("FRAME_A = ICRF", "FRAME_A = GCRF")]),
+        swap(&good, &[("FRAME_A = ICRF", "FRAME_A = icrf"), ("= TDB", "= tdb")]),
+        swap(&good, &[("FRAME_A = ICRF", "FRAME_A = j2000"), ("= QUATERNION", "= quaternion")]),
+        swap(&good, &[("FRAME_A = ICRF", "FRAME_A = ICRF3")]),
+        swap(&first, &[("= A2B", "= a2b"), ("= FIRST", "= first")]),
+        swap(&xml(&finer), &[(">EME2000<", ">gcrf<"), (">TDB<", ">tdb<")]),
+        // The names of XML say where the scalar is.
+        swap(
+            &xml(&finer),
+            &[("<TIME_SYSTEM>", "<QUATERNION_TYPE>FIRST</QUATERNION_TYPE><TIME_SYSTEM>")],
+        ),
+    ] {
+        let checked = summary(folder.path(), &[], &text);
+        assert_eq!(checked["rows"], 181);
+        assert!(largest(&checked) < 1e-6, "{checked}");
+    }
+    // On UTC, with the letter of its zone.
+    let utc: Vec<Attitude> = rows
+        .iter()
+        .map(|(time, quaternion)| {
+            let at = ephem::time::parse_time(&format!("{time} TDB")).unwrap();
+            (ephem::time::format_utc(at), *quaternion)
+        })
+        .collect();
+    let text = swap(&kvn(&utc, "2.0", ""), &[("= TDB", "= utc")]);
+    assert!(largest(&summary(folder.path(), &[], &text)) < 1e-6);
+}
+
+#[test]
+fn a_start_is_rounded_to_the_ns() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = |start: &str| {
+        let arguments = ["pointing", "--start", start, "--duration", "2s", "--step", "1"];
+        let text = stdout(folder.path(), &arguments, "");
+        text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let exact = rows("2032-04-01T00:00:00.123456789 TDB");
+    assert_eq!(exact.len(), 4);
+    for start in ["2032-04-01T00:00:00.1234567894 TDB", "2032-092T00:00:00.12345678850001 tdb"] {
+        assert_eq!(rows(start), exact, "{start}");
+    }
+}
+
+#[test]
 fn wrong_attitudes_fail_and_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let csv = stdout(

@@ -8,9 +8,10 @@
 //! rough trajectories; a user's direction table, or anything else that fails, is fitted between its
 //! rows, each of which becomes a break.
 
+use super::error::FitError;
 use super::master::{Master, MasterError};
+use super::options::FitOptions;
 use super::shape::{Search, Tables};
-use super::{FitError, FitOptions};
 use crate::apparent::{Sky, SkyError};
 use crate::chebyshev::{Transform, value, zeros};
 use crate::convert::{f64_from_i64, i64_from_f64};

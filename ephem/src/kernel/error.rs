@@ -1,6 +1,6 @@
 //! Why there is no kernel, or no state, in sentences.
 
-use super::{EARTH, EARTH_MOON_BARYCENTER, LONGEST_CHAIN, MOON, SUN};
+use super::bodies::{LONGEST_CHAIN, body_name};
 use crate::spk::SpkError;
 use crate::time::format_tdb;
 use onboard_core::time::Instant;
@@ -138,28 +138,6 @@ pub enum StateError {
         /// Last time known.
         end: Instant,
     },
-}
-
-/// A body's name in sentences.
-#[must_use]
-pub fn body_name(body: i32) -> &'static str {
-    match body {
-        0 => "the solar system barycentre",
-        1 => "Mercury",
-        2 => "Venus",
-        EARTH_MOON_BARYCENTER => "the Earth-Moon barycentre",
-        4 => "Mars",
-        5 => "Jupiter",
-        6 => "Saturn",
-        7 => "Uranus",
-        8 => "Neptune",
-        9 => "Pluto",
-        SUN => "the Sun",
-        MOON => "the Moon",
-        EARTH => "the Earth",
-        ..0 => "spacecraft",
-        _ => "body",
-    }
 }
 
 fn list(bodies: &[i32]) -> String {

@@ -3,7 +3,7 @@
 //! Everything that evaluation indexes or divides by is held against what NAIF's "SPK Required
 //! Reading" lays down for the segment's type.
 
-use super::{Content, SpkError, Unsupported};
+use super::error::{LegalNumber, SpkError};
 use crate::convert::{count_from_f64, f64_from_usize};
 use crate::daf::Summary;
 use crate::interpolation::{MAX_WINDOW, Method, PosVel, StateSeries, equal_steps};
@@ -17,6 +17,22 @@ const LARGEST_KM: f64 = 1e13;
 const MOST_COEFFICIENTS: usize = 100;
 /// Slack in seconds between a segment's coverage and its records.
 const TIME_SLACK_S: f64 = 1e-3;
+
+/// A segment that cannot be evaluated, though its file is sound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Unsupported {
+    Type(i32),
+    Frame(i32),
+}
+
+/// What a segment holds.
+#[derive(Debug, Clone)]
+pub(super) enum Content {
+    Chebyshev,
+    ChebyshevWithVelocity,
+    Discrete(StateSeries),
+    Unsupported(Unsupported),
+}
 
 /// Checks one segment's numbers.
 pub(super) struct Reader<'a> {
@@ -35,7 +51,11 @@ impl Reader<'_> {
         }
         if s.target == s.center {
             let found = f64::from(s.center);
-            return Err(self.bad("the centre", found, "another body than the target"));
+            return Err(self.bad(
+                "the centre",
+                found,
+                LegalNumber::Such("another body than the target"),
+            ));
         }
         match s.data_type {
             2 => self.chebyshev(3).map(|()| Content::Chebyshev),
@@ -48,9 +68,9 @@ impl Reader<'_> {
         }
     }
 
-    fn bad(&self, what: &'static str, found: f64, legal: impl Into<String>) -> SpkError {
+    fn bad(&self, what: &'static str, found: f64, legal: LegalNumber) -> SpkError {
         let (segment, body) = (self.number, self.summary.target);
-        SpkError::Segment { segment, body, what, found, legal: legal.into() }
+        SpkError::Segment { segment, body, what, found, legal }
     }
 
     /// The number `back` places before the segment's end.
@@ -61,31 +81,36 @@ impl Reader<'_> {
 
     fn footer_count(&self, back: usize, what: &'static str) -> Result<usize, SpkError> {
         let found = self.footer(back);
-        count_from_f64(found).ok_or_else(|| self.bad(what, found, "a whole number"))
+        count_from_f64(found)
+            .ok_or_else(|| self.bad(what, found, LegalNumber::Such("a whole number")))
     }
 
     fn check_length(&self, expected: Option<usize>) -> Result<(), SpkError> {
         if expected == Some(self.numbers.len()) {
             return Ok(());
         }
-        let legal = expected.map_or("one that fits the file".to_owned(), |n| n.to_string());
+        let legal = expected.map_or(LegalNumber::Such("one that fits the file"), |n| {
+            LegalNumber::Exactly(f64_from_usize(n))
+        });
         Err(self.bad("the length in doubles", f64_from_usize(self.numbers.len()), legal))
     }
 
     fn check_coverage(&self, first_s: f64, last_s: f64) -> Result<(), SpkError> {
         let s = &self.summary;
         if first_s > s.start_s + TIME_SLACK_S {
-            return Err(self.bad("the first time", first_s, format!("{} or earlier", s.start_s)));
+            return Err(self.bad("the first time", first_s, LegalNumber::AtMost(s.start_s)));
         }
         if last_s < s.end_s - TIME_SLACK_S {
-            return Err(self.bad("the last time", last_s, format!("{} or later", s.end_s)));
+            return Err(self.bad("the last time", last_s, LegalNumber::AtLeast(s.end_s)));
         }
         Ok(())
     }
 
     fn check_size(&self, numbers: &[f64]) -> Result<(), SpkError> {
         match numbers.iter().find(|n| !(n.is_finite() && n.abs() < LARGEST_KM)) {
-            Some(found) => Err(self.bad("a coefficient", *found, "finite, below 1e13 km")),
+            Some(found) => {
+                Err(self.bad("a coefficient", *found, LegalNumber::Such("finite, below 1e13 km")))
+            }
             None => Ok(()),
         }
     }
@@ -97,18 +122,22 @@ impl Reader<'_> {
         let count = self.footer_count(1, "the number of records")?;
         let orders = size.saturating_sub(2) / per_axis;
         if !(1..=MOST_COEFFICIENTS).contains(&orders) || size != 2 + orders * per_axis {
-            let legal = format!("2 + {per_axis} n with n from 1 to {MOST_COEFFICIENTS}");
+            let legal = LegalNumber::RecordSize { per_axis, most: MOST_COEFFICIENTS };
             return Err(self.bad("the record size", f64_from_usize(size), legal));
         }
         if count == 0 {
-            return Err(self.bad("the number of records", 0.0, "1 or more"));
+            return Err(self.bad("the number of records", 0.0, LegalNumber::Such("1 or more")));
         }
         self.check_length(size.checked_mul(count).and_then(|n| n.checked_add(4)))?;
         if !(length.is_finite() && length > 0.0) {
-            return Err(self.bad("the record length in seconds", length, "positive"));
+            return Err(self.bad(
+                "the record length in seconds",
+                length,
+                LegalNumber::Such("positive"),
+            ));
         }
         if !start.is_finite() {
-            return Err(self.bad("the first time", start, "finite"));
+            return Err(self.bad("the first time", start, LegalNumber::Such("finite")));
         }
         self.check_coverage(start, start + length * f64_from_usize(count))?;
         for (index, record) in self.numbers.chunks_exact(size).take(count).enumerate() {
@@ -117,10 +146,18 @@ impl Reader<'_> {
             let [middle, radius] = head else { continue };
             let near = |found: f64, expected: f64| (found - expected).abs() <= TIME_SLACK_S;
             if !near(*middle, expected) {
-                return Err(self.bad("a record's midpoint", *middle, expected.to_string()));
+                return Err(self.bad(
+                    "a record's midpoint",
+                    *middle,
+                    LegalNumber::Exactly(expected),
+                ));
             }
             if !near(*radius, length / 2.0) {
-                return Err(self.bad("a record's radius", *radius, (length / 2.0).to_string()));
+                return Err(self.bad(
+                    "a record's radius",
+                    *radius,
+                    LegalNumber::Exactly(length / 2.0),
+                ));
             }
             self.check_size(coefficients)?;
         }
@@ -133,14 +170,14 @@ impl Reader<'_> {
         if (2..=MAX_WINDOW).contains(&window) || (window == 1 && method == Method::Hermite) {
             return Ok(window);
         }
-        Err(self.bad("the window", f64_from_usize(window), format!("2 to {MAX_WINDOW} states")))
+        Err(self.bad("the window", f64_from_usize(window), LegalNumber::States(MAX_WINDOW)))
     }
 
     fn series(&self, times: Vec<f64>, method: Method, window: usize) -> Result<Content, SpkError> {
         let states = self.numbers.get(..6 * times.len()).unwrap_or_default();
         self.check_size(states)?;
         let (Some(first), Some(last)) = (times.first(), times.last()) else {
-            return Err(self.bad("the number of states", 0.0, "1 or more"));
+            return Err(self.bad("the number of states", 0.0, LegalNumber::Such("1 or more")));
         };
         self.check_coverage(*first, *last)?;
         let states: Vec<PosVel> = states
@@ -150,9 +187,9 @@ impl Reader<'_> {
             .map(|[x, y, z, vx, vy, vz]| (Vector3::new(*x, *y, *z), Vector3::new(*vx, *vy, *vz)))
             .collect();
         let found = f64_from_usize(states.len());
-        StateSeries::new(times, states, method, window)
-            .map(Content::Discrete)
-            .ok_or_else(|| self.bad("the number of states", found, "one per time"))
+        StateSeries::new(times, states, method, window).map(Content::Discrete).ok_or_else(|| {
+            self.bad("the number of states", found, LegalNumber::Such("one per time"))
+        })
     }
 
     /// Types 8 and 12: states; then start, step, window, count.
@@ -162,10 +199,10 @@ impl Reader<'_> {
         let count = self.footer_count(1, "the number of states")?;
         self.check_length(count.checked_mul(6).and_then(|n| n.checked_add(4)))?;
         if !(step.is_finite() && step > 0.0) {
-            return Err(self.bad("the step in seconds", step, "positive"));
+            return Err(self.bad("the step in seconds", step, LegalNumber::Such("positive")));
         }
         if !start.is_finite() {
-            return Err(self.bad("the first time", start, "finite"));
+            return Err(self.bad("the first time", start, LegalNumber::Such("finite")));
         }
         self.series(equal_steps(start, step, count), method, window)
     }
@@ -181,10 +218,10 @@ impl Reader<'_> {
         let rising = |pair: &[f64]| matches!(pair, [a, b] if a < b && b.is_finite());
         if let Some(pair) = times.windows(2).find(|pair| !rising(pair)) {
             let found = pair.last().copied().unwrap_or(f64::NAN);
-            return Err(self.bad("a time", found, "later than the one before"));
+            return Err(self.bad("a time", found, LegalNumber::Such("later than the one before")));
         }
         if let Some(first) = times.first().filter(|time| !time.is_finite()) {
-            return Err(self.bad("the first time", *first, "finite"));
+            return Err(self.bad("the first time", *first, LegalNumber::Such("finite")));
         }
         self.series(times.to_vec(), method, window)
     }

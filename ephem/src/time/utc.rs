@@ -3,13 +3,11 @@
 //! Days are numbered from 0 on 2000-01-01. A day's midnight in TAI is 86400 s times its number,
 //! plus TAI - UTC of that day, less half a day for the zero at noon.
 
-use super::text::civil_from_day;
+use super::calendar::{NS_PER_DAY, civil_from_day};
 use crate::convert::i64_from_f64;
 use hifitime::leap_seconds::LatestLeapSeconds;
 use onboard_core::time::{Instant, NS_PER_SECOND};
 use std::sync::LazyLock;
-
-pub(super) const NS_PER_DAY: i64 = 86_400 * NS_PER_SECOND;
 
 /// Days from 1900-01-01, hifitime's zero, to 2000-01-01.
 const DAYS_1900_TO_2000: i64 = 36_524;

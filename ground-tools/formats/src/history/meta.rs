@@ -2,154 +2,90 @@
 //!
 //! Version 2 \[CCSDS504\]: the quaternion takes components in `REF_FRAME_B` to components in
 //! `REF_FRAME_A`, as B turned by +90 deg about A's z is (0, 0, 0.7071, 0.7071). Version 1 says the
-//! sense with `ATTITUDE_DIR` (`A2B` as version 2, `B2A` the conjugate) and the scalar's place with
-//! `QUATERNION_TYPE`. One of the frames must be inertial, the other the spacecraft's.
+//! sense with `ATTITUDE_DIR` (`A2B` as version 2, `B2A` the conjugate) and the scalar's place in a
+//! line of KVN with `QUATERNION_TYPE`. One of the frames must be inertial, the other the
+//! spacecraft's.
 
-use super::{HistoryError, Reference, Row, conjugate, number, rising, unit};
-use ephem::time::parse_time;
+use super::error::HistoryError;
+use super::row::{Row, conjugate, number, rising, unit};
+use ephem::ccsds::{Axes, Block, CcsdsError, Column, Expected, Legal, Record, epoch};
+use ephem::time::Scale;
 
-/// A keyword with its line and value.
-pub(super) type Entry = (usize, String, String);
+/// Names of inertial frames; those of ICRF's realisations too.
+const INERTIAL: [&str; 5] = ["ICRF", "EME2000", "J2000", "GCRF", "ECLIPJ2000"];
+const TYPES: [&str; 4] =
+    ["QUATERNION", "QUATERNION/ANGVEL", "QUATERNION/DERIVATIVE", "QUATERNION/RATE"];
+const SCALAR_LAST: [&str; 4] = ["Q1", "Q2", "Q3", "QC"];
+const SCALAR_FIRST: [&str; 4] = ["QC", "Q1", "Q2", "Q3"];
 
-const KEYS: [&str; 19] = [
-    "ANGVEL_FRAME",
-    "ATTITUDE_DIR",
-    "ATTITUDE_TYPE",
-    "CENTER_NAME",
-    "COMMENT",
-    "EULER_ROT_SEQ",
-    "INTERPOLATION_DEGREE",
-    "INTERPOLATION_METHOD",
-    "OBJECT_ID",
-    "OBJECT_NAME",
-    "QUATERNION_TYPE",
-    "RATE_FRAME",
-    "REF_FRAME_A",
-    "REF_FRAME_B",
-    "START_TIME",
-    "STOP_TIME",
-    "TIME_SYSTEM",
-    "USEABLE_START_TIME",
-    "USEABLE_STOP_TIME",
-];
-const INERTIAL: [&str; 4] = ["ICRF", "EME2000", "J2000", "ECLIPJ2000"];
-const SCALES: [&str; 4] = ["UTC", "TAI", "TT", "TDB"];
-/// Attitude types with how many numbers a line holds.
-const TYPES: [(&str, usize); 4] = [
-    ("QUATERNION", 4),
-    ("QUATERNION/ANGVEL", 7),
-    ("QUATERNION/DERIVATIVE", 8),
-    ("QUATERNION/RATE", 7),
-];
-/// Versions that this reads.
-pub(super) const VERSIONS: [&str; 2] = ["1.0", "2.0"];
-
-/// How a segment's lines are read.
+/// How a segment's records are read.
 pub(super) struct Meta {
-    scale: String,
+    scale: Scale,
     inverse: bool,
-    scalar_first: bool,
-    pub(super) numbers: usize,
-    pub(super) reference: Reference,
-}
-
-fn illegal(entry: &Entry, legal: &[&str]) -> HistoryError {
-    let (line, key, value) = entry.clone();
-    HistoryError::Value { line, key, value, legal: legal.join(", ") }
+    /// Names of the quaternion's components in the order of a line.
+    components: [&'static str; 4],
+    /// Numbers of a line after the quaternion.
+    more: usize,
+    /// The inertial frame's.
+    pub(super) axes: Axes,
 }
 
 impl Meta {
-    /// From a block's keywords; `end` is its last line.
-    pub(super) fn new(entries: &[Entry], end: usize) -> Result<Self, HistoryError> {
-        for (index, entry) in entries.iter().enumerate() {
-            let (line, key, value) = entry;
-            if !KEYS.contains(&key.as_str()) {
-                let (line, key) = (*line, key.clone());
-                return Err(HistoryError::Key { line, key, legal: KEYS.join(", ") });
-            }
-            let twice = entries[..index].iter().find(|(_, before, _)| before == key);
-            if let Some((first, ..)) = twice.filter(|_| key != "COMMENT") {
-                return Err(HistoryError::Value {
-                    line: *line,
-                    key: key.clone(),
-                    value: value.clone(),
-                    legal: format!("one value, and line {first} gives it already"),
-                });
-            }
-        }
-        let find = |key: &str| entries.iter().find(|(_, name, _)| name == key);
-        let need = |key: &'static str| find(key).ok_or(HistoryError::Missing { line: end, key });
-        let scale = need("TIME_SYSTEM")?;
-        if !SCALES.contains(&scale.2.as_str()) {
-            return Err(illegal(scale, &SCALES));
-        }
-        let kind = need("ATTITUDE_TYPE")?;
-        let numbers = TYPES.iter().find(|(name, _)| *name == kind.2.to_uppercase());
-        let (_, numbers) = numbers.ok_or_else(|| illegal(kind, &TYPES.map(|(name, _)| name)))?;
-        let (a, b) = (need("REF_FRAME_A")?, need("REF_FRAME_B")?);
-        let swapped = !INERTIAL.contains(&a.2.as_str()) && INERTIAL.contains(&b.2.as_str());
-        let (inertial, body) = if swapped { (b, a) } else { (a, b) };
-        if !INERTIAL.contains(&inertial.2.as_str()) {
-            return Err(illegal(inertial, &INERTIAL));
-        }
-        if INERTIAL.contains(&body.2.as_str()) {
-            return Err(illegal(body, &["a frame of the spacecraft, such as SC_BODY_1"]));
-        }
-        let conjugated = match find("ATTITUDE_DIR") {
-            None => false,
-            Some((.., value)) if value == "A2B" => false,
-            Some((.., value)) if value == "B2A" => true,
-            Some(other) => return Err(illegal(other, &["A2B", "B2A"])),
+    /// From a segment's metadata.
+    pub(super) fn read(block: &Block<'_>) -> Result<Self, CcsdsError> {
+        let scale = block.time_system()?;
+        let more = match block.need("ATTITUDE_TYPE")?.one_of(&TYPES)? {
+            "QUATERNION" => 0,
+            "QUATERNION/DERIVATIVE" => 4,
+            _ => 3,
         };
-        let scalar_first = match find("QUATERNION_TYPE") {
-            None => false,
-            Some((.., value)) if value == "LAST" => false,
-            Some((.., value)) if value == "FIRST" => true,
-            Some(other) => return Err(illegal(other, &["FIRST", "LAST"])),
+        let (a, b) = (block.need("REF_FRAME_A")?, block.need("REF_FRAME_B")?);
+        let (axes, swapped) = match (Axes::from_name(a.value), Axes::from_name(b.value)) {
+            (Some(axes), None) => (axes, false),
+            (None, Some(axes)) => (axes, true),
+            (None, None) => return Err(a.illegal(Legal::OneOf(INERTIAL.to_vec()))),
+            (Some(_), Some(_)) => {
+                let body = "a frame of the spacecraft, such as SC_BODY_1";
+                return Err(b.illegal(Legal::OneOf(vec![body])));
+            }
         };
+        let one_of = |key, legal: &[&'static str]| {
+            block.find(key).map(|entry| entry.one_of(legal)).transpose()
+        };
+        let conjugated = one_of("ATTITUDE_DIR", &["A2B", "B2A"])? == Some("B2A");
+        let scalar_first = one_of("QUATERNION_TYPE", &["FIRST", "LAST"])? == Some("FIRST");
         Ok(Self {
-            scale: scale.2.clone(),
+            scale,
             inverse: swapped != conjugated,
-            scalar_first,
-            numbers: *numbers,
-            reference: if inertial.2 == "ECLIPJ2000" {
-                Reference::Ecliptic
-            } else {
-                Reference::Icrf
-            },
+            components: if scalar_first { SCALAR_FIRST } else { SCALAR_LAST },
+            more,
+            axes,
         })
     }
 
-    /// The row of an epoch and its four numbers, in the file's order; those before it must be
-    /// earlier.
+    /// The row of a record; the one before it must be earlier.
     pub(super) fn row(
         &self,
-        line: usize,
-        epoch: &str,
-        fields: [&str; 4],
-        before: &[Row],
+        record: &Record<'_>,
+        before: Option<&Row>,
     ) -> Result<Row, HistoryError> {
-        let bare = epoch.strip_suffix('Z').filter(|_| self.scale == "UTC").unwrap_or(epoch);
-        let at = parse_time(&format!("{bare} {}", self.scale))
-            .map_err(|fault| HistoryError::Time { line, fault })?;
-        rising(before, at, line, epoch)?;
-        let keys =
-            if self.scalar_first { ["QC", "Q1", "Q2", "Q3"] } else { ["Q1", "Q2", "Q3", "QC"] };
+        let line = record.line;
+        let [q0, q1, q2, q3] = self.components.map(Column::of);
+        let columns = [Column::of("EPOCH"), q0, q1, q2, q3];
+        let refuse = || record.refused(Expected::Numbers(self.components.len() + self.more));
+        let fields = record.fields(&columns, &[self.more])?.ok_or_else(refuse)?;
+        let [text, ref numbers @ ..] = fields[..] else { return Err(refuse().into()) };
+        let at = epoch(line, "epoch", text, self.scale)?;
+        rising(before, at, line, text)?;
         let mut values = [0.0; 4];
-        for ((value, field), key) in values.iter_mut().zip(fields).zip(keys) {
+        for ((value, field), key) in values.iter_mut().zip(numbers).zip(self.components) {
             *value = number(line, key, field)?;
         }
-        if self.scalar_first {
+        if self.components == SCALAR_FIRST {
             values.rotate_left(1);
         }
         let quaternion = unit(line, values)?;
         let quaternion = if self.inverse { conjugate(quaternion) } else { quaternion };
         Ok(Row { line, at, quaternion })
-    }
-
-    /// The same with the scalar always last, as XML names it.
-    pub(super) fn scalar_last(mut self) -> Self {
-        self.scalar_first = false;
-        self
     }
 }

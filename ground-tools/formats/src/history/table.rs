@@ -4,7 +4,8 @@
 //! `time_utc`, `time_tt` or `time_tai`, the first of these where there are several. Other columns
 //! are ignored; `#` begins a comment.
 
-use super::{History, HistoryError, Row, number, rising, unit};
+use super::error::HistoryError;
+use super::row::{Row, number, rising, unit};
 use ephem::time::parse_time;
 use mission::number::Number;
 use num_rational::BigRational;
@@ -29,7 +30,7 @@ enum Clock {
     Civil(&'static str),
 }
 
-pub(super) fn read(text: &str, start: Instant) -> Result<History, HistoryError> {
+pub(super) fn read(text: &str, start: Instant) -> Result<Vec<Row>, HistoryError> {
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
@@ -69,14 +70,14 @@ pub(super) fn read(text: &str, start: Instant) -> Result<History, HistoryError> 
         let field = |place: usize| record.get(place).unwrap_or("");
         let time = field(time_place);
         let at = instant(clock, start, (line, time_name), time)?;
-        rising(&rows, at, line, time)?;
+        rising(rows.last(), at, line, time)?;
         let mut quaternion = [0.0; 4];
         for ((component, place), name) in quaternion.iter_mut().zip(places).zip(QUATERNION) {
             *component = number(line, name, field(place))?;
         }
         rows.push(Row { line, at, quaternion: unit(line, quaternion)? });
     }
-    Ok(History { form: "CSV", reference: None, rows })
+    Ok(rows)
 }
 
 fn line_of(position: &csv::Position) -> usize {
@@ -86,15 +87,10 @@ fn line_of(position: &csv::Position) -> usize {
 fn instant(
     clock: Clock,
     start: Instant,
-    (line, key): (usize, &str),
+    (line, key): (usize, &'static str),
     text: &str,
 ) -> Result<Instant, HistoryError> {
-    let illegal = |legal: &str| HistoryError::Value {
-        line,
-        key: key.to_owned(),
-        value: text.to_owned(),
-        legal: legal.to_owned(),
-    };
+    let illegal = |legal| HistoryError::Value { line, key, value: text.to_owned(), legal };
     match clock {
         Clock::Tai => text
             .parse()
