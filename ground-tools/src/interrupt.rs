@@ -3,6 +3,7 @@
 //! The first interruption (Ctrl-C) ends the search with the best schedule so far; the second ends the
 //! program with exit code 130.
 
+use planner::progress::Progress;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -31,13 +32,6 @@ impl SearchLimit {
         Self { begun: Instant::now(), seconds }
     }
 
-    /// Whether the search must end.
-    #[must_use]
-    pub fn reached(&self) -> bool {
-        let late = |limit| self.begun.elapsed() >= Duration::from_secs_f64(limit);
-        INTERRUPTED.load(Ordering::Relaxed) || self.seconds.is_some_and(late)
-    }
-
     /// Why it ended, for the timeline.
     #[must_use]
     pub fn told(&self) -> String {
@@ -47,5 +41,12 @@ impl SearchLimit {
             }
             _ => "interrupted: the best schedule so far".to_owned(),
         }
+    }
+}
+
+impl Progress for SearchLimit {
+    fn stopped(&self) -> bool {
+        let late = |limit| self.begun.elapsed() >= Duration::from_secs_f64(limit);
+        INTERRUPTED.load(Ordering::Relaxed) || self.seconds.is_some_and(late)
     }
 }

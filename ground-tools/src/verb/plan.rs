@@ -216,9 +216,8 @@ fn scheduled(
     problem: &Problem,
     limit: &SearchLimit,
 ) -> Result<(Schedule, Vec<Loosening>), Failure> {
-    let stop = || limit.reached();
     let (schedule, loosened) =
-        rayon::join(|| schedule_until(problem, Some(&stop)), || loosen(problem, Some(&stop)));
+        rayon::join(|| schedule_until(problem, limit), || loosen(problem, limit));
     let failure = |error| match error {
         ScheduleError::Infeasible(conflict) => Failure::Check(contradiction(world, &conflict)),
         error @ ScheduleError::Unsound(_) => Failure::internal(error),
