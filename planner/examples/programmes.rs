@@ -7,6 +7,8 @@
 #[expect(dead_code, reason = "the intervals are for the tests")]
 #[path = "../tests/programs/mod.rs"]
 mod programs;
+#[path = "../tests/random/mod.rs"]
+mod random;
 
 use planner::program::Program;
 use programs::{instance, stored};

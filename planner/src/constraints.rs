@@ -23,6 +23,28 @@
 //! (test `paper_speed_is_the_peak_unless_the_axis_meets_a_right_angle`). The formula is negative
 //! where the precession outruns a spin that opposes it; then `tau` has no meaning. A shortest period
 //! that is zero or negative binds nothing. The orbit (1 deg/day) is left out.
+//!
+//! # Example
+//! LiteBIRD's scan seen by its high-frequency telescope:
+//! ```
+//! use planner::constraints::{Coherence, Optics, Scan, kinetic_constraints};
+//!
+//! let scan = Scan {
+//!     alpha_rad: 45.0_f64.to_radians(),
+//!     beta_rad: 50.0_f64.to_radians(),
+//!     precession_period_s: 192.348 * 60.0,
+//!     spin_period_s: 20.0 * 60.0,
+//!     coherence: Coherence::Plus,
+//! };
+//! let (fwhm_rad, hwp_rate_hz) = ((17.9_f64 / 60.0).to_radians(), Some(61.0 / 60.0));
+//! let optics = Optics { fwhm_rad, hwp_rate_hz, sampling_rate_hz: 19.0, n_mod: 1.0, n_margin: 1.0 };
+//! let found = kinetic_constraints(&scan, &optics)?;
+//! assert!((found.omega_max_plus_rad_s.to_degrees() - 0.260_89).abs() < 5e-6);
+//! // The spin may be as short as 16.9 min.
+//! assert!(found.t_beta_lower_plus_s.is_ok_and(|it| (it / 60.0 - 16.884).abs() < 5e-4));
+//! assert_eq!((found.modulation_ok, found.sampling_ok), (Ok(true), Ok(true)));
+//! # Ok::<(), planner::constraints::ConstraintError>(())
+//! ```
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use thiserror::Error;

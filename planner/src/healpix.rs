@@ -7,6 +7,22 @@
 //! Method: \[Gorski2005\]; geometry and conversions by the `cdshealpix` crate.
 //!
 //! Limits: `nside` a power of two up to [`MAX_NSIDE`].
+//!
+//! # Example
+//! ```
+//! use planner::healpix::{Nside, Ordering, unit_vector};
+//!
+//! let nside = Nside::new(64)?;
+//! assert_eq!(nside.pixels(), 49_152);
+//! let nested = nside.pixel_at(83.6_f64.to_radians(), 22.0_f64.to_radians());
+//! let ring = nside.numbered(Ordering::Ring, nested);
+//! assert_eq!(nside.nested(Ordering::Ring, ring), nested);
+//! // The centre lies within a pixel's diagonal, some 1.4 deg, of the point.
+//! let (longitude_rad, latitude_rad) = nside.center(nested);
+//! assert!((latitude_rad.to_degrees() - 22.0).abs() < 1.4);
+//! assert!(unit_vector(longitude_rad, latitude_rad)[2] > 0.0);
+//! # Ok::<(), planner::healpix::NsideError>(())
+//! ```
 
 use cdshealpix::nested::{self, Layer};
 use std::f64::consts::PI;

@@ -25,3 +25,12 @@ pub trait Progress: Sync {
 pub struct Quietly;
 
 impl Progress for Quietly {}
+
+/// Passes on that the computation should end, and nothing else: for work beside the step that is shown.
+pub(crate) struct StopOnly<'a>(pub(crate) &'a dyn Progress);
+
+impl Progress for StopOnly<'_> {
+    fn stopped(&self) -> bool {
+        self.0.stopped()
+    }
+}

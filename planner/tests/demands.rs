@@ -2,17 +2,19 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 
-#[expect(dead_code, reason = "only the random numbers are of use here")]
-mod programs;
+mod random;
+mod stopping;
 
+use ephem::random::SplitMix64;
 use onboard_core::time::{Duration, Instant};
 use planner::schedule::{
     Candidate, Contact, Data, Demands, Diversity, Exclusive, Log, LongestGap, Previous, Problem,
     RuleName, Rules, ScheduleError, SessionCount, Stopped, Thermal, check, schedule,
     schedule_until,
 };
-use programs::SplitMix64;
+use random::between;
 use std::collections::BTreeMap;
+use stopping::Stopping;
 
 const MINUTE: i64 = 60_000_000_000;
 const DAY: i64 = 1_440 * MINUTE;
@@ -58,32 +60,32 @@ fn index(number: i64) -> usize {
 
 /// A few candidates over four days, under random demands.
 fn small(random: &mut SplitMix64) -> Problem {
-    let count = random.between(3, 11);
+    let count = between(random, 3, 11);
     let candidates: Vec<Candidate> = (0..count)
         .map(|_| {
             candidate(
-                index(random.between(0, 1)),
-                index(random.between(0, 1)),
-                random.between(5, 5_600),
-                random.between(30, 150),
+                index(between(random, 0, 1)),
+                index(between(random, 0, 1)),
+                between(random, 5, 5_600),
+                between(random, 30, 150),
             )
         })
         .collect();
-    let chance = |random: &mut SplitMix64, of: i64| random.between(0, of - 1) == 0;
-    let pick = |random: &mut SplitMix64| index(random.between(0, count - 1));
+    let chance = |random: &mut SplitMix64, of: i64| between(random, 0, of - 1) == 0;
+    let pick = |random: &mut SplitMix64| index(between(random, 0, count - 1));
     let mut demands = Demands::default();
     if chance(random, 3) {
         demands.min_sessions = Some(SessionCount { count: 1, window: minutes(2_880) });
     }
     if chance(random, 2) {
         demands.longest_gap = Some(LongestGap {
-            longest: minutes(random.between(400, 2_000)),
+            longest: minutes(between(random, 400, 2_000)),
             price_per_day: 2_000.0,
         });
     }
     if chance(random, 3) {
         let sums = candidates.iter().map(|it| {
-            let angle = f64::from(i32::try_from(random.between(0, 359)).unwrap()).to_radians();
+            let angle = f64::from(i32::try_from(between(random, 0, 359)).unwrap()).to_radians();
             let w = it.dwell.seconds();
             [w, w * (2.0 * angle).cos(), w * (2.0 * angle).sin()]
         });
@@ -99,7 +101,7 @@ fn small(random: &mut SplitMix64) -> Problem {
             Some(Data { rate_bit_s: 1_000, memory_bit: 9_000_000, contacts: contacts.collect() });
     }
     if chance(random, 2) {
-        let most = minutes(random.between(120, 300));
+        let most = minutes(between(random, 120, 300));
         demands.thermal = Some(Thermal { most, window: minutes(700) });
     }
     if chance(random, 3) {
@@ -115,7 +117,7 @@ fn small(random: &mut SplitMix64) -> Problem {
         demands.forbidden = vec![pick(random)];
     }
     if chance(random, 3) {
-        let sessions = (0..index(count)).filter(|_| random.between(0, 2) == 0).collect();
+        let sessions = (0..index(count)).filter(|_| between(random, 0, 2) == 0).collect();
         demands.previous = Some(Previous { sessions, price: 700.0 });
     }
     if chance(random, 3) {
@@ -136,7 +138,7 @@ fn small(random: &mut SplitMix64) -> Problem {
         }
     }
     if demands.log.is_none() && chance(random, 3) {
-        let mut value = || f64::from(i32::try_from(random.between(1, 4_000)).unwrap()) * 1.5;
+        let mut value = || f64::from(i32::try_from(between(random, 1, 4_000)).unwrap()) * 1.5;
         demands.values = candidates.iter().map(|_| value()).collect();
     }
     Problem { demands, ..problem(candidates, 4) }
@@ -302,17 +304,17 @@ fn an_earlier_plan_changes_as_little_as_its_price_says() {
 fn a_search_that_is_stopped_returns_the_best_so_far() {
     let mut random = SplitMix64(5);
     let candidates = (0..300).map(|_| {
-        let telescope = index(random.between(0, 2));
+        let telescope = index(between(&mut random, 0, 2));
         candidate(
-            index(random.between(0, 1)),
+            index(between(&mut random, 0, 1)),
             telescope,
-            random.between(20, 40_000),
-            random.between(30, 150),
+            between(&mut random, 20, 40_000),
+            between(&mut random, 30, 150),
         )
     });
     let mut problem = problem(candidates.collect(), 30);
     problem.demands.thermal = Some(Thermal { most: minutes(200), window: Duration::from_ns(DAY) });
-    let found = schedule_until(&problem, Some(&|| true)).unwrap();
+    let found = schedule_until(&problem, &Stopping).unwrap();
     assert_eq!(check(&problem, &found.chosen), Ok(()));
     assert_eq!(found.stopped, Stopped::Interrupted);
     assert!(found.objective > 0.0 && found.upper_bound.is_finite());
@@ -327,11 +329,11 @@ fn a_search_that_is_stopped_returns_the_best_so_far() {
 fn campaign() -> Problem {
     let mut random = SplitMix64(77);
     let candidates = (0..60 * 24).map(|_| {
-        let length = random.between(30, 110);
-        let telescope = index(random.between(0, 2));
-        let target = index(random.between(0, 1));
-        let start = random.between(20, 86_200);
-        let dwell = minutes(length * random.between(20, 70) / 100);
+        let length = between(&mut random, 30, 110);
+        let telescope = index(between(&mut random, 0, 2));
+        let target = index(between(&mut random, 0, 1));
+        let start = between(&mut random, 20, 86_200);
+        let dwell = minutes(length * between(&mut random, 20, 70) / 100);
         Candidate { dwell, ..candidate(target, telescope, start, length) }
     });
     let mut problem = problem(candidates.collect(), 60);
@@ -367,13 +369,19 @@ fn scan_angles_that_single_sessions_break_are_taken_together() {
     let mut random = SplitMix64(13);
     let candidates: Vec<Candidate> = (0..240)
         .map(|_| {
-            let (target, telescope) = (index(random.between(0, 1)), index(random.between(0, 2)));
-            candidate(target, telescope, random.between(20, 43_000), random.between(30, 110))
+            let (target, telescope) =
+                (index(between(&mut random, 0, 1)), index(between(&mut random, 0, 2)));
+            candidate(
+                target,
+                telescope,
+                between(&mut random, 20, 43_000),
+                between(&mut random, 30, 110),
+            )
         })
         .collect();
     let mut problem = problem(candidates, 30);
     let sums = problem.candidates.iter().map(|it| {
-        let angle = f64::from(i32::try_from(random.between(0, 359)).unwrap()).to_radians();
+        let angle = f64::from(i32::try_from(between(&mut random, 0, 359)).unwrap()).to_radians();
         let w = it.dwell.seconds();
         [w, w * (2.0 * angle).cos(), w * (2.0 * angle).sin()]
     });
@@ -434,17 +442,17 @@ fn bounds_over_many_sessions_are_not_below_the_optimum() {
             min_sessions: Some(SessionCount { count: 1, window: minutes(BLOCK) }),
             longest_gap: Some(LongestGap {
                 longest: minutes(1_440),
-                price_per_day: f64::from(i32::try_from(random.between(0, 9_000)).unwrap()),
+                price_per_day: f64::from(i32::try_from(between(&mut random, 0, 9_000)).unwrap()),
             }),
             data: Some(Data {
                 rate_bit_s: 100,
-                memory_bit: random.between(300_000, 1_500_000).unsigned_abs(),
+                memory_bit: between(&mut random, 300_000, 1_500_000).unsigned_abs(),
                 contacts: Vec::new(),
             }),
             ..Demands::default()
         };
         if round % 3 == 0 {
-            let most = minutes(random.between(150, 320));
+            let most = minutes(between(&mut random, 150, 320));
             demands.thermal = Some(Thermal { most, window: minutes(1_440) });
         }
         let mut lists = Vec::new();
@@ -452,9 +460,10 @@ fn bounds_over_many_sessions_are_not_below_the_optimum() {
         while lists.len() < index(BLOCKS) {
             let list: Vec<Candidate> = (0..7)
                 .map(|_| {
-                    let (target, telescope) = (random.between(0, 1), random.between(0, 1));
-                    let start = random.between(1_500, 4_000);
-                    candidate(index(target), index(telescope), start, random.between(30, 150))
+                    let (target, telescope) =
+                        (between(&mut random, 0, 1), between(&mut random, 0, 1));
+                    let start = between(&mut random, 1_500, 4_000);
+                    candidate(index(target), index(telescope), start, between(&mut random, 30, 150))
                 })
                 .collect();
             // Blocks that cannot be met are drawn again.

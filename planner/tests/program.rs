@@ -4,11 +4,14 @@
 #![expect(clippy::print_stdout, reason = "gaps reached, for the record")]
 
 mod programs;
+mod random;
 
+use ephem::random::SplitMix64;
 use planner::program::{
     Aids, Cell, Choice, Ended, Family, Gain, Limits, Outcome, Program, Row, solve,
 };
-use programs::{Instance, Shape, SplitMix64, Values, instance, stored};
+use programs::{Instance, Shape, Values, instance, stored};
+use random::between;
 
 /// What must hold of any outcome.
 fn hold(program: &Program, found: &Outcome) {
@@ -31,38 +34,38 @@ fn exhaustive(program: &Program, families: &[&dyn Family]) -> Option<i128> {
 
 /// A programme of every kind of row and gain, small.
 fn small(random: &mut SplitMix64) -> Program {
-    let count = usize::try_from(random.between(1, 11)).unwrap();
+    let count = usize::try_from(between(random, 1, 11)).unwrap();
     let subset = |random: &mut SplitMix64, low: i64, high: i64| -> Vec<(usize, i64)> {
-        let all = (0..count).filter(|_| random.between(0, 2) > 0).collect::<Vec<_>>();
-        all.into_iter().map(|at| (at, random.between(low, high))).collect()
+        let all = (0..count).filter(|_| between(random, 0, 2) > 0).collect::<Vec<_>>();
+        all.into_iter().map(|at| (at, between(random, low, high))).collect()
     };
-    let tied = random.between(0, 1) == 1;
+    let tied = between(random, 0, 1) == 1;
     let values = (0..count)
-        .map(|_| if tied { 7 * random.between(-1, 2) } else { random.between(-20, 1_000) })
+        .map(|_| if tied { 7 * between(random, -1, 2) } else { between(random, -20, 1_000) })
         .collect();
     let choices = (0..count)
-        .map(|_| match random.between(0, 15) {
+        .map(|_| match between(random, 0, 15) {
             0 => Choice::Always,
             1 => Choice::Never,
             _ => Choice::Free,
         })
         .collect();
-    let rows = (0..random.between(0, 5))
-        .map(|_| match random.between(0, 3) {
-            0 => Row { terms: subset(random, 1, 1), limit: random.between(0, 3) },
-            1 => Row { terms: subset(random, -5, 5), limit: random.between(-4, 10) },
-            _ => Row { terms: subset(random, 1, 100), limit: random.between(0, 300) },
+    let rows = (0..between(random, 0, 5))
+        .map(|_| match between(random, 0, 3) {
+            0 => Row { terms: subset(random, 1, 1), limit: between(random, 0, 3) },
+            1 => Row { terms: subset(random, -5, 5), limit: between(random, -4, 10) },
+            _ => Row { terms: subset(random, 1, 100), limit: between(random, 0, 300) },
         })
         .collect();
-    let cells = (0..random.between(0, 3))
+    let cells = (0..between(random, 0, 3))
         .map(|_| {
-            let gain = if random.between(0, 1) == 0 {
-                let (wanted, price) = (random.between(0, 20), random.between(0, 60));
+            let gain = if between(random, 0, 1) == 0 {
+                let (wanted, price) = (between(random, 0, 20), between(random, 0, 60));
                 Gain::Shortfall { wanted, price }
             } else {
-                Gain::Log { scale: random.between(0, 5_000), offset: random.between(1, 10) }
+                Gain::Log { scale: between(random, 0, 5_000), offset: between(random, 1, 10) }
             };
-            Cell { terms: subset(random, 0, 9), gain, base: random.between(0, 4) }
+            Cell { terms: subset(random, 0, 9), gain, base: between(random, 0, 4) }
         })
         .collect();
     Program { values, choices, rows, cells }

@@ -3,14 +3,17 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 
+mod random;
 mod synthetic;
 
+use ephem::random::SplitMix64;
 use onboard_core::time::{Duration, Instant};
 use planner::schedule::{
     Because, Candidate, Demands, Exclusive, Problem, Rule, Rules, Schedule, ScheduleError,
     SessionCount, Stopped, Violation, check, schedule,
 };
-use synthetic::{DAY_NS, SplitMix64, default_rules, mission};
+use random::between;
+use synthetic::{DAY_NS, default_rules, mission};
 
 fn at(ns: i64) -> Instant {
     Instant::from_tai_ns(ns)
@@ -102,44 +105,36 @@ fn exhaustive(problem: &Problem) -> f64 {
     best
 }
 
-/// An integer in `low..high`.
-fn between(random: &mut SplitMix64, low: i64, high: i64) -> i64 {
-    low + i64::try_from(random.next() % u64::try_from(high - low).unwrap()).unwrap()
-}
-
 /// A few candidates over uneven days, under random rules.
 fn small(random: &mut SplitMix64) -> Problem {
     let mut boundaries = vec![0];
     while boundaries.len() < 6 {
-        boundaries.push(boundaries[boundaries.len() - 1] + between(random, 700, 1300));
+        boundaries.push(boundaries[boundaries.len() - 1] + between(random, 700, 1_299));
     }
     let end = boundaries[5];
-    let count = between(random, 1, 13);
+    let count = between(random, 1, 12);
     let candidates = (0..count)
         .map(|_| {
-            let start = between(random, -20, end);
-            let length = between(random, 0, 500);
+            let start = between(random, -20, end - 1);
+            let length = between(random, 0, 499);
             // Some values tie.
-            let dwell = if between(random, 0, 3) == 0 {
-                length / 2
-            } else {
-                between(random, 0, length + 1)
-            };
-            let (target, telescope) = (between(random, 0, 3), between(random, 0, 3));
+            let dwell =
+                if between(random, 0, 2) == 0 { length / 2 } else { between(random, 0, length) };
+            let (target, telescope) = (between(random, 0, 2), between(random, 0, 2));
             let index = |number: i64| usize::try_from(number).unwrap();
             candidate(index(target), index(telescope), (start, start + length), dwell)
         })
         .collect();
     let rules = Rules {
-        setup: Duration::from_ns(between(random, 0, 60)),
-        cooldown: Duration::from_ns(between(random, 0, 60)),
+        setup: Duration::from_ns(between(random, 0, 59)),
+        cooldown: Duration::from_ns(between(random, 0, 59)),
         exclusive: [Exclusive::None, Exclusive::Telescope, Exclusive::All]
-            [usize::try_from(between(random, 0, 3)).unwrap()],
-        max_per_day: (between(random, 0, 3) > 0)
-            .then(|| Duration::from_ns(between(random, 100, 900))),
-        max_sessions: (between(random, 0, 3) > 0).then(|| SessionCount {
-            count: u32::try_from(between(random, 0, 4)).unwrap(),
-            window: Duration::from_ns(between(random, 1, 2500)),
+            [usize::try_from(between(random, 0, 2)).unwrap()],
+        max_per_day: (between(random, 0, 2) > 0)
+            .then(|| Duration::from_ns(between(random, 100, 899))),
+        max_sessions: (between(random, 0, 2) > 0).then(|| SessionCount {
+            count: u32::try_from(between(random, 0, 3)).unwrap(),
+            window: Duration::from_ns(between(random, 1, 2_499)),
         }),
         day_boundaries: boundaries.into_iter().map(at).collect(),
     };

@@ -9,6 +9,29 @@
 //!
 //! Limits: a pass belongs to the turn of its entry. Where passes of two turns overlap in time (two
 //! detectors at the change of turn) each of the two opportunities holds its own dwell.
+//!
+//! # Example
+//! Two detectors see a target together, in a turn of 2^43 ns (2.4 h):
+//! ```
+//! use onboard_core::phase::{Phase, Rotor, TurnRate};
+//! use onboard_core::scan::{ScanParameters, ScanStrategy};
+//! use onboard_core::time::{Duration, Instant};
+//! use planner::opportunities::{Opportunities, Pass};
+//!
+//! let at = |seconds| Instant::from_tai_ns(0).plus(Duration::from_seconds(seconds));
+//! let start = Phase::from_bits(0);
+//! let rotor = |bits| Rotor { rate: TurnRate::from_bits(1 << (128 - bits)), start };
+//! let (precession, spin, alpha_rad, beta_rad) = (rotor(43), rotor(40), 0.79, 0.87);
+//! let scan = ScanParameters { start: at(0.0), alpha_rad, beta_rad, precession, spin };
+//! let pass = |detector, entry, exit| {
+//!     let (entry_clipped, exit_clipped, closest) = (false, false, entry);
+//!     Pass { target: 0, telescope: 0, detector, entry, exit, closest, entry_clipped, exit_clipped }
+//! };
+//! let passes = [pass(0, at(60.0), at(90.0)), pass(1, at(80.0), at(120.0))];
+//! let found = Opportunities::group(&passes, &ScanStrategy::new(scan).expect("a legal scan"))?;
+//! assert_eq!((found.list().len(), found.list()[0].dwell), (1, Duration::from_seconds(60.0)));
+//! # Ok::<(), planner::opportunities::OpportunityError>(())
+//! ```
 
 use onboard_core::scan::ScanStrategy;
 use onboard_core::time::{Duration, Instant};

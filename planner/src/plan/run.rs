@@ -107,8 +107,7 @@ pub fn plan(
     let ids: Vec<String> = list.iter().map(|it| session_id(world, it)).collect();
     revision.ask(&ids, &mut offered.problem)?;
     let problem = &offered.problem;
-    let stop = || progress.stopped();
     let (schedule, loosened) =
-        rayon::join(|| schedule_until(problem, Some(&stop)), || loosen(problem, Some(&stop)));
+        rayon::join(|| schedule_until(problem, progress), || loosen(problem, progress));
     Ok(Plan { schedule: schedule?, loosened: loosened?, offered })
 }

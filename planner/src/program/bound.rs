@@ -1,17 +1,23 @@
-//! No set is worth more than this, from prices, in exact arithmetic.
+//! A bound on every set, from dual prices, in exact arithmetic.
 //!
-//! For prices z >= 0 of the rows and slopes g >= 0 of the cells, every set that meets the rows is
+//! For dual prices z >= 0 of the rows and slopes g >= 0 of the cells, every set that meets the rows is
 //! worth at most
 //!
 //! `b . z + sum_c reserve_c(g_c) + sum_i max over open x_i of (v_i + (W^T g)_i - (A^T z)_i) x_i`,
 //!
-//! since `z . (b - A x) >= 0` and `G_c(s) <= reserve_c(g_c) + g_c s` (`gain.rs`). Prices and slopes
-//! are integers of 2^-32 unit, so nothing is rounded after they are chosen but the last result,
-//! down to a whole unit: values of sets are whole.
+//! since `z . (b - A x) >= 0` and `G_c(s) <= reserve_c(g_c) + g_c s` (`gain.rs`): weak duality, which
+//! holds for any z and g, however found. The term of x_i is its reduced cost; where the bound less its
+//! magnitude is no more than a known value, x_i is the same in every better set (reduced-cost fixing).
+//!
+//! Method: prices and slopes are integers of 2^-32 unit, so nothing is rounded after they are chosen but
+//! the last result, down to a whole unit: values of sets are whole.
+//!
+//! Limits: a price is cut at [`LARGEST_PRICE`] units for a row's largest coefficient; the bound is at
+//! best that of the linear relaxation.
 
 use super::gain::{FRACTION_BITS, UNIT};
 use super::number::{f64_from_i64, f64_from_i128, i128_from_f64};
-use super::{Choice, Program};
+use super::problem::{Choice, Program};
 
 /// Largest price of a row's largest coefficient, in units.
 const LARGEST_PRICE: f64 = 281_474_976_710_656.0;
@@ -30,7 +36,7 @@ pub(super) struct Priced {
     pub(super) bound: i128,
     /// The same in 2^-32 units, not yet rounded.
     fine: i128,
-    /// Per choice, what it is worth beyond what it pays, in 2^-32 units.
+    /// Reduced cost of each choice, in 2^-32 units.
     pub(super) reduced: Vec<i128>,
 }
 
@@ -86,9 +92,7 @@ pub(super) fn priced(program: &Program, prices: &Prices) -> Priced {
         }
     }
     for (cell, &slope) in program.cells.iter().zip(&prices.slopes) {
-        let open = cell.terms.iter().filter(|it| program.choices[it.0] != Choice::Never);
-        let most = cell.base + open.map(|term| term.1).sum::<i64>();
-        fine += cell.gain.reserve(cell.base, most, slope);
+        fine += cell.gain.reserve(cell.base, program.most_open(cell), slope);
         for &(choice, adds) in &cell.terms {
             reduced[choice] += slope * i128::from(adds);
         }
@@ -103,7 +107,7 @@ pub(super) fn priced(program: &Program, prices: &Prices) -> Priced {
     Priced { bound: fine >> FRACTION_BITS, fine, reduced }
 }
 
-/// Whether prices prove that no set meets the rows: `b . z < min A x . z`.
+/// Whether prices prove that no set meets the rows (Farkas): `b . z < min z . A x`.
 pub(super) fn impossible(program: &Program, rows: &[i128]) -> bool {
     let mut pays = vec![0_i128; program.values.len()];
     let mut room = 0_i128;

@@ -1,33 +1,32 @@
 //! Branch and bound over the choices that are left.
 //!
-//! Method: each node fixes some choices. Its relaxation is solved by the dual simplex method, from
-//! the basis of the node before; rows enter it when shares break them, tangents of logarithms where
-//! shares sit. From its prices follows a bound in integers (`bound.rs`), which decides whether the
-//! node is pruned, and which further choices are the same in every better set. The choice to branch
-//! on is the one whose both sides lose most, judged by trial at first, then by experience
-//! (pseudo-costs). The search goes down until a node is pruned, then on at the node of largest bound.
-//! A bound is rounded down to a multiple of what divides all values where it decides on pruning, not
-//! where it orders the nodes: tied values would make them all alike.
+//! Method: each node fixes some choices. Its relaxation is solved by the dual simplex method from the
+//! basis of the node before (`node_relaxation.rs`). From its dual prices follows a bound in integers
+//! (`bound.rs`), which decides whether the node is pruned, and which further choices have one value in
+//! every better set. The choice to branch on comes from pseudo-costs (`pseudo_cost.rs`). The search dives
+//! until a node is pruned, then goes on at the node of largest bound. A bound is rounded down to a
+//! multiple of what divides all values where it decides on pruning, not where it orders the nodes: tied
+//! values would make them all alike. After [`ALONE`] nodes, [`TEAM`] searchers share the nodes and the
+//! best value every [`TURN`] nodes, whatever the number of threads.
 //!
 //! Limits: a count of nodes. Nodes cut short leave their bound in the result.
 
-use super::bound::{Prices, impossible, priced};
-use super::choose::Experience;
-use super::gain::UNIT;
-use super::number::{f64_from_i64, f64_from_i128};
-use super::simplex::{Simplex, Status};
+use super::bound::priced;
+use super::cover;
+use super::gain::Gain;
+use super::node_relaxation::NodeRelaxation;
+use super::number::{f64_from_i128, u64_from_usize};
+use super::outcome::Ended;
+use super::problem::{Choice, Program, Row};
+use super::pseudo_cost::{PseudoCosts, WHOLE};
+use super::round;
+use super::simplex::Status;
 use super::state::{Index, State};
 use super::waiting::{Node, Waiting};
-use super::{Choice, Ended, Gain, Program, Row, cover, round};
+use crate::progress::Progress;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
-/// Shares this close to a whole number are whole.
-pub(super) const WHOLE: f64 = 1e-6;
-/// Rows must be broken by this share of their size.
-const BROKEN: f64 = 1e-7;
-/// Most rows added at once.
-const AT_ONCE: usize = 40;
 /// Most rounds of rows in one node.
 const ROUNDS: usize = 60;
 /// Most rounds of cover cuts at the first node.
@@ -36,6 +35,8 @@ const CUT_ROUNDS: usize = 6;
 const PIVOTS: usize = 20_000;
 /// Nodes between two attempts at rounding.
 const ROUNDING: usize = 3;
+/// Nodes between two questions whether to stop.
+const ASKING: usize = 16;
 /// Nodes of one searcher alone, number of searchers after that, and nodes of each between two talks.
 const ALONE: usize = 400;
 const TEAM: usize = 4;
@@ -52,10 +53,10 @@ pub(super) struct Task<'a> {
     pub(super) nodes: usize,
     /// Most numbers touched.
     pub(super) work: usize,
-    /// Rows that a set breaks beside the programme's.
+    /// Rows that a set violates beside the programme's.
     pub(super) broken: &'a (dyn Fn(&[bool]) -> Vec<Row> + Sync),
-    /// Whether to stop.
-    pub(super) stop: &'a (dyn Fn() -> bool + Sync),
+    /// Told the nodes that are done, and asked whether to stop.
+    pub(super) progress: &'a dyn Progress,
 }
 
 /// What was found.
@@ -67,6 +68,11 @@ pub(super) struct Found {
     pub(super) bound: i128,
     pub(super) nodes: usize,
     pub(super) ended: Ended,
+}
+
+/// Searches a programme whose free choices are all of it.
+pub(super) fn search(program: Program, task: &Task<'_>) -> Found {
+    Search::new(program, task).run()
 }
 
 /// Deals the nodes out by bound in turn, and tells everyone the best value.
@@ -84,31 +90,17 @@ fn share_out(team: &mut [Search<'_>]) {
     }
 }
 
-/// A row of the relaxation.
-#[derive(Debug, Clone, Copy)]
-enum Line {
-    /// A row of the programme, over its size.
-    Row(usize, f64),
-    /// A tangent of a cell's gain, with its slope.
-    Tangent(usize, f64),
-}
-
-pub(super) struct Search<'t> {
-    pub(super) program: Program,
+struct Search<'t> {
+    program: Program,
     task: &'t Task<'t>,
     roots: Vec<Choice>,
     index: Index,
-    pub(super) relaxation: Simplex,
-    lines: Vec<Line>,
-    present: Vec<bool>,
-    pub(super) unit: f64,
-    /// Worth of each cell's whole range.
-    ranges: Vec<f64>,
+    relaxation: NodeRelaxation,
     best: Option<(Vec<bool>, i128)>,
-    pub(super) value: i128,
+    value: i128,
     /// Largest bound among nodes closed above the best value.
     left: i128,
-    pub(super) experience: Vec<Experience>,
+    pseudo_costs: PseudoCosts,
     nodes: usize,
     /// Every set's worth is a multiple.
     step: i128,
@@ -119,55 +111,24 @@ pub(super) struct Search<'t> {
     waiting: Waiting,
 }
 
-/// Searches a programme whose free choices are all of it.
-pub(super) fn search(program: Program, task: &Task<'_>) -> Found {
-    Search::new(program, task).run()
-}
-
 impl<'t> Search<'t> {
     fn new(program: Program, task: &'t Task<'t>) -> Self {
-        let most = |cell: &super::Cell| cell.base + cell.terms.iter().map(|it| it.1).sum::<i64>();
-        let ranges: Vec<f64> = program
-            .cells
-            .iter()
-            .map(|cell| f64_from_i64(cell.gain.at(most(cell)) - cell.gain.at(cell.base)).max(1.0))
-            .collect();
-        let values = program.values.iter().map(|&value| f64_from_i64(value));
-        let unit = values.clone().map(f64::abs).chain(ranges.iter().copied()).fold(1.0, f64::max);
-        let costs: Vec<f64> = values.chain(ranges.iter().copied()).map(|it| it / unit).collect();
-        let upper = vec![1.0; costs.len()];
-        let mut search = Self {
+        Self {
             task,
             roots: program.choices.clone(),
             index: Index::new(&program),
-            relaxation: Simplex::new(costs, upper),
-            lines: Vec::new(),
-            present: vec![false; program.rows.len()],
-            unit,
-            ranges,
+            relaxation: NodeRelaxation::new(&program),
             best: None,
             value: task.cutoff,
             left: task.cutoff,
-            experience: vec![Experience::default(); program.values.len()],
+            pseudo_costs: PseudoCosts::new(program.values.len()),
             nodes: 0,
             step: step(&program),
             work: 0,
             waiting: Waiting::default(),
             terms: program.rows.iter().map(|row| row.terms.len()).sum(),
             program,
-        };
-        for cell in 0..search.program.cells.len() {
-            let it = &search.program.cells[cell];
-            let (base, most) = (f64_from_i64(it.base), f64_from_i64(most(it)));
-            let places = match it.gain {
-                Gain::Shortfall { .. } => 1,
-                Gain::Log { .. } => 5,
-            };
-            for place in 0..places {
-                search.tangent(cell, base + (most - base) * f64::from(place * place) / 25.0);
-            }
         }
-        search
     }
 
     /// Goes on for at most some nodes; `Proven` where no node is left.
@@ -181,7 +142,7 @@ impl<'t> Search<'t> {
             if self.closed(node.bound) {
                 continue;
             }
-            let stop = self.nodes.is_multiple_of(16) && (self.task.stop)();
+            let stop = self.nodes.is_multiple_of(ASKING) && self.task.progress.stopped();
             if self.nodes >= most || stop {
                 self.waiting.add(node);
                 return if stop { Ended::Stopped } else { Ended::Work };
@@ -207,18 +168,22 @@ impl<'t> Search<'t> {
     fn run(mut self) -> Found {
         self.waiting.add(Node { bound: i128::MAX, fixes: Vec::new() });
         let mut ended = self.go_on(ALONE.min(self.task.nodes));
+        let task = self.task;
         let mut team = vec![self];
+        let mut told = 0;
         while ended == Ended::Work {
             let nodes: usize = team.iter().map(|it| it.nodes).sum();
             let work: usize = team.iter().map(Search::work).sum();
-            if nodes >= team[0].task.nodes || work >= team[0].task.work {
+            task.progress.advance(u64_from_usize(nodes - told));
+            told = nodes;
+            if nodes >= task.nodes || work >= task.work {
                 break;
             }
             if team.len() == 1 {
                 team = (0..TEAM).map(|member| team[0].member(member)).collect();
             }
             share_out(&mut team);
-            let share = TURN.min(team[0].task.nodes.saturating_sub(nodes) / TEAM + 1);
+            let share = TURN.min(task.nodes.saturating_sub(nodes) / TEAM + 1);
             let ends: Vec<Ended> = team.par_iter_mut().map(|it| it.go_on(share)).collect();
             ended = if ends.contains(&Ended::Stopped) {
                 Ended::Stopped
@@ -248,11 +213,8 @@ impl<'t> Search<'t> {
             roots: self.roots.clone(),
             index: Index::new(&self.program),
             relaxation: self.relaxation.clone(),
-            lines: self.lines.clone(),
-            present: self.present.clone(),
-            ranges: self.ranges.clone(),
             best: self.best.clone(),
-            experience: self.experience.clone(),
+            pseudo_costs: self.pseudo_costs.clone(),
             waiting: Waiting::default(),
             ..*self
         };
@@ -261,14 +223,14 @@ impl<'t> Search<'t> {
         } else {
             member.nodes = 0;
             member.work = 0;
-            member.relaxation.touched = 0;
+            member.relaxation.simplex.touched = 0;
         }
         member
     }
 
     /// Numbers touched so far.
     fn work(&self) -> usize {
-        self.work + self.relaxation.touched
+        self.work + self.relaxation.simplex.touched
     }
 
     /// Whether a bound leaves nothing to look for; what it leaves by rounding is noted.
@@ -281,24 +243,18 @@ impl<'t> Search<'t> {
         closed
     }
 
+    fn set(&mut self, choice: usize, open: Choice) {
+        self.program.choices[choice] = open;
+        self.relaxation.bind(choice, open);
+    }
+
     fn fix(&mut self, choice: usize, taken: bool) {
-        self.program.choices[choice] = if taken { Choice::Always } else { Choice::Never };
-        let bound = f64::from(u8::from(taken));
-        self.relaxation.lower[choice] = bound;
-        self.relaxation.upper[choice] = bound;
+        self.set(choice, if taken { Choice::Always } else { Choice::Never });
     }
 
     fn apply(&mut self, node: &Node) {
         for choice in 0..self.roots.len() {
-            match self.roots[choice] {
-                Choice::Free => {
-                    self.program.choices[choice] = Choice::Free;
-                    self.relaxation.lower[choice] = 0.0;
-                    self.relaxation.upper[choice] = 1.0;
-                }
-                Choice::Always => self.fix(choice, true),
-                Choice::Never => self.fix(choice, false),
-            }
+            self.set(choice, self.roots[choice]);
         }
         for &(choice, taken) in &node.fixes {
             self.fix(choice, taken);
@@ -312,18 +268,17 @@ impl<'t> Search<'t> {
         let mut cuts = if first { CUT_ROUNDS } else { 0 };
         let mut shares = Vec::new();
         for _ in 0..ROUNDS {
-            let cutoff = (f64_from_i128(self.value)) / self.unit;
+            let cutoff = (f64_from_i128(self.value)) / self.relaxation.unit;
             let cutoff = cutoff - 1e-9 * cutoff.abs() - 1e-12;
-            let mut status = self.relaxation.solve(cutoff, PIVOTS);
+            let mut status = self.relaxation.simplex.solve(cutoff, PIVOTS);
             if status == Status::CutOff {
                 if self.bound(node) {
                     return None;
                 }
-                status = self.relaxation.solve(f64::NEG_INFINITY, PIVOTS);
+                status = self.relaxation.simplex.solve(f64::NEG_INFINITY, PIVOTS);
             }
             if let Status::Impossible(row) = status {
-                let ray = self.relaxation.ray(row);
-                if self.is_impossible(&ray) {
+                if self.relaxation.is_impossible(&self.program, row) {
                     return None;
                 }
                 break;
@@ -331,8 +286,8 @@ impl<'t> Search<'t> {
             if self.bound(node) {
                 return None;
             }
-            shares = self.shares();
-            if self.add_broken(&shares) {
+            shares = self.relaxation.shares(self.roots.len());
+            if self.relaxation.add_broken(&self.program, &shares) {
                 continue;
             }
             if cuts > 0 {
@@ -343,7 +298,7 @@ impl<'t> Search<'t> {
                     continue;
                 }
             }
-            // Whole shares may break rows of families.
+            // Whole shares may violate rows of families.
             if shares.iter().all(|share| (share - share.round()).abs() < WHOLE) {
                 let marks: Vec<bool> = shares.iter().map(|share| *share > 0.5).collect();
                 let broken = (self.task.broken)(&marks);
@@ -377,12 +332,14 @@ impl<'t> Search<'t> {
         if shares.is_empty() {
             return (0..self.roots.len()).find(free).map(|choice| (choice, 0.0));
         }
-        Some(self.choose(&shares))
+        let cutoff = f64_from_i128(self.value) / self.relaxation.unit;
+        let (choices, simplex) = (&self.program.choices, &mut self.relaxation.simplex);
+        Some(self.pseudo_costs.choose(choices, simplex, &shares, cutoff))
     }
 
     /// Lowers the node's bound by the prices at hand, fixes by reduced costs; true if it is closed.
     fn bound(&mut self, node: &mut Node) -> bool {
-        let prices = self.prices();
+        let prices = self.relaxation.prices(&self.program);
         let found = priced(&self.program, &prices);
         self.work += 4 * self.terms;
         node.bound = node.bound.min(found.bound);
@@ -400,117 +357,11 @@ impl<'t> Search<'t> {
         false
     }
 
-    fn prices(&self) -> Prices {
-        let mut rows = vec![0.0; self.program.rows.len()];
-        let mut slopes = vec![0.0; self.program.cells.len()];
-        for (line, kind) in self.lines.iter().enumerate() {
-            let price = self.relaxation.price(line);
-            match *kind {
-                Line::Row(row, size) => rows[row] += price * self.unit / size,
-                Line::Tangent(cell, slope) => {
-                    slopes[cell] += price * self.unit / self.ranges[cell] * slope;
-                }
-            }
-        }
-        Prices::new(&self.program, rows.into_iter(), slopes.into_iter())
-    }
-
-    fn is_impossible(&self, ray: &[f64]) -> bool {
-        let mut rows = vec![0.0; self.program.rows.len()];
-        for (kind, multiplier) in self.lines.iter().zip(ray) {
-            if let Line::Row(row, size) = *kind {
-                rows[row] += multiplier / size;
-            }
-        }
-        // Scaled so that the integers resolve it.
-        let largest = rows.iter().copied().fold(0.0, f64::max);
-        let scaled = rows.into_iter().map(|it| it / largest.max(1e-300) * UNIT);
-        let prices = Prices::new(&self.program, scaled, std::iter::empty());
-        impossible(&self.program, &prices.rows)
-    }
-
-    fn shares(&self) -> Vec<f64> {
-        (0..self.roots.len()).map(|it| self.relaxation.share(it).clamp(0.0, 1.0)).collect()
-    }
-
-    /// Adds rows and tangents that the shares break; false where there are none.
-    fn add_broken(&mut self, shares: &[f64]) -> bool {
-        let mut broken: Vec<(f64, usize)> = Vec::new();
-        for (index, row) in self.program.rows.iter().enumerate() {
-            if self.present[index] {
-                continue;
-            }
-            let used: f64 = row.terms.iter().map(|it| shares[it.0] * f64_from_i64(it.1)).sum();
-            let by = (used - f64_from_i64(row.limit)) / size(row);
-            if by > BROKEN {
-                broken.push((by, index));
-            }
-        }
-        broken.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        broken.truncate(AT_ONCE);
-        for &(_, index) in &broken {
-            self.enter(index);
-        }
-        let mut found = !broken.is_empty();
-        for cell in 0..self.program.cells.len() {
-            let it = &self.program.cells[cell];
-            let sum = f64_from_i64(it.base)
-                + it.terms.iter().map(|it| shares[it.0] * f64_from_i64(it.1)).sum::<f64>();
-            if let Gain::Log { scale, offset } = it.gain {
-                let ln = |sum: f64| (sum / f64_from_i64(offset)).ln_1p();
-                let worth = f64_from_i64(scale) * (ln(sum) - ln(f64_from_i64(it.base)));
-                let range = self.ranges[cell];
-                let claimed = self.relaxation.share(self.roots.len() + cell) * range;
-                if claimed > worth + 1e-7 * range && self.lines.len() < 4_000 {
-                    self.tangent(cell, sum);
-                    found = true;
-                }
-            }
-        }
-        found
-    }
-
-    /// Puts a row into the relaxation.
-    fn enter(&mut self, index: usize) {
-        let row = &self.program.rows[index];
-        let size = size(row);
-        let terms = row.terms.iter().map(|it| (it.0, f64_from_i64(it.1) / size)).collect();
-        self.relaxation.add(terms, f64_from_i64(row.limit) / size);
-        self.lines.push(Line::Row(index, size));
-        self.present[index] = true;
-    }
-
-    /// Puts the tangent of a cell's gain at a sum into the relaxation.
-    fn tangent(&mut self, cell: usize, sum: f64) {
-        let (it, range) = (&self.program.cells[cell], self.ranges[cell]);
-        let slope = it.gain.slope(sum);
-        let base = f64_from_i64(it.base);
-        let worth = match it.gain {
-            Gain::Shortfall { price, wanted } => {
-                f64_from_i64(price)
-                    * (sum.min(f64_from_i64(wanted)) - base.min(f64_from_i64(wanted)))
-            }
-            Gain::Log { scale, offset } => {
-                let ln = |sum: f64| (sum / f64_from_i64(offset)).ln_1p();
-                f64_from_i64(scale) * (ln(sum) - ln(base))
-            }
-        };
-        let column = self.program.values.len() + cell;
-        let mut terms: Vec<(usize, f64)> =
-            it.terms.iter().map(|it| (it.0, -slope * f64_from_i64(it.1) / range)).collect();
-        terms.push((column, 1.0));
-        self.relaxation.add(terms, (worth + slope * (base - sum)) / range);
-        self.lines.push(Line::Tangent(cell, slope));
-    }
-
     /// Adds rows to the programme and to the relaxation.
     fn grow(&mut self, rows: Vec<Row>) {
         let first = self.program.rows.len();
         self.program.rows.extend(rows);
-        self.present.resize(self.program.rows.len(), false);
-        for index in first..self.program.rows.len() {
-            self.enter(index);
-        }
+        self.relaxation.enter_from(&self.program, first);
         self.index = Index::new(&self.program);
     }
 
@@ -533,11 +384,6 @@ impl<'t> Search<'t> {
             self.best = Some((marks, self.value));
         }
     }
-}
-
-/// What a row is divided by.
-fn size(row: &Row) -> f64 {
-    row.terms.iter().map(|it| f64_from_i64(it.1.abs())).fold(1.0, f64::max)
 }
 
 /// A number that divides the worth of every set.

@@ -1,19 +1,19 @@
-//! Cover cuts: choices that are together too much for a row cannot all be taken.
+//! Lifted cover cuts of rows of coefficients at or above zero (knapsacks).
 //!
-//! Method: in a row of coefficients at or above zero, choices C with `sum a_i > b` allow at most
-//! |C| - 1 of them. The cover is found greedily by the relaxation's shares and made minimal; every
-//! other choice whose coefficient is at least the sum of the h largest of the cover counts h times
-//! (Balas 1975). A cut is kept where the shares break it. Integers only, so a cut removes no set.
+//! Method: choices C with `sum a_i > b` are a cover, of which at most |C| - 1 may be taken. The cover is
+//! found greedily by the relaxation's shares and made minimal; every other choice whose coefficient is
+//! at least the sum of the h largest of the cover counts h times (Balas 1975). A cut is kept where the
+//! shares violate it. Integers only, so a cut removes no set.
 //!
 //! Limits: at most one cut per row and round.
 
 use super::number::{f64_from_i64, f64_from_usize, i64_from_usize};
-use super::{Choice, Program, Row};
+use super::problem::{Choice, Program, Row};
 
-/// Shares must break a cut by this much.
+/// Shares must violate a cut by this much.
 const BROKEN: f64 = 0.02;
 
-/// Cuts that the shares break.
+/// Cuts that the shares violate.
 pub(super) fn separate(program: &Program, shares: &[f64]) -> Vec<Row> {
     let mut cuts: Vec<Row> =
         program.rows.iter().filter_map(|row| cut(program, row, shares)).collect();
@@ -85,20 +85,17 @@ fn cut(program: &Program, row: &Row, shares: &[f64]) -> Option<Row> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ephem::random::SplitMix64;
 
     #[test]
     fn cuts_remove_shares_but_no_set() {
-        let mut state = 11_u64;
-        let mut next = |below: u64| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 33) % below
-        };
+        let mut random = SplitMix64(11);
         let mut found = 0;
         for _ in 0..500 {
             let count = 10;
             let terms: Vec<(usize, i64)> =
-                (0..count).map(|at| (at, i64::try_from(next(30) + 1).unwrap())).collect();
-            let limit = i64::try_from(next(100) + 20).unwrap();
+                (0..count).map(|at| (at, random.up_to(29) + 1)).collect();
+            let limit = random.up_to(99) + 20;
             let row = Row { terms: terms.clone(), limit };
             let program = Program {
                 values: vec![1; count],
@@ -107,7 +104,7 @@ mod tests {
                 cells: Vec::new(),
             };
             let shares: Vec<f64> =
-                (0..count).map(|_| f64::from(u32::try_from(next(5)).unwrap()) / 4.0).collect();
+                (0..count).map(|_| f64_from_i64(random.up_to(4)) / 4.0).collect();
             for cut in separate(&program, &shares) {
                 found += 1;
                 for set in 0_u32..1 << count {

@@ -1,17 +1,22 @@
-//! Better sets by searching parts of the programme with the rest held.
+//! Fix and optimise: parts of the programme searched exactly with the rest held, then all that is open.
 //!
-//! Method: of the choices whose reduced cost is small, so that relaxation and set may disagree about
-//! them, some [`PART`] are freed at a time: neighbours in the programme's order, in overlapping
-//! stretches; then the smallest reduced costs of all; then the choices of each row with a price. What the
+//! Method: of the choices whose reduced cost is small, so that relaxation and incumbent may disagree
+//! about them, some [`PART`] are freed at a time: neighbours in the programme's order, in overlapping
+//! stretches, [`AT_ONCE`] stretches far apart at once; then the smallest reduced costs of all. What the
 //! rest leaves of every row is the part's own programme, searched by branch and bound for a set that
-//! is worth more. [`Search::core`] searches all that reduced costs leave open, for the bound.
+//! is worth more. [`Exchange::core`] searches all that reduced costs leave open, for the bound.
 //!
-//! Limits: counts of passes and nodes.
+//! Limits: counts of passes and nodes, and of numbers touched in a part.
 
 use super::bound::Priced;
 use super::branch::{Found, Task, search};
+use super::incumbent::Incumbent;
+use super::number::u64_from_usize;
+use super::options::{Aids, Limits};
+use super::outcome::Ended;
+use super::problem::{Cell, Choice, Program, Row};
 use super::state::{Index, State};
-use super::{Aids, Best, Cell, Choice, Ended, Limits, Program, Row};
+use crate::progress::{Progress, StopOnly};
 use rayon::prelude::*;
 
 /// Choices freed at a time.
@@ -22,9 +27,9 @@ const AT_ONCE: usize = 4;
 const PART_WORK: usize = 400_000_000;
 
 /// What the search needs to know.
-pub(super) struct Search<'s, 'a> {
-    pub(super) program: &'s mut Program,
-    pub(super) index: &'s mut Index,
+pub(super) struct Exchange<'s, 'a> {
+    pub(super) program: &'s Program,
+    pub(super) index: &'s Index,
     pub(super) aids: &'s Aids<'a>,
     pub(super) limits: &'s Limits,
     pub(super) priced: &'s Priced,
@@ -83,14 +88,14 @@ fn limit(left: i128) -> i64 {
     i64::try_from(left).unwrap_or(if left < 0 { i64::MIN } else { i64::MAX })
 }
 
-impl Search<'_, '_> {
+impl Exchange<'_, '_> {
     /// Rows that a number of free choices will touch, roughly.
     pub(super) fn rows_touched(&self, free: usize) -> usize {
         self.program.rows.len().min(free * 2)
     }
 
-    /// Improves a set by parts.
-    pub(super) fn exchange(&mut self, best: &mut Best) {
+    /// Improves the incumbent by parts.
+    pub(super) fn improve(&self, best: &mut Incumbent) {
         let Some((set, value)) = best else { return };
         let passes = self.limits.passes;
         for pass in 0..passes {
@@ -115,11 +120,14 @@ impl Search<'_, '_> {
                 part.sort_unstable();
                 vec![part]
             });
-            for batch in batches.into_iter().chain(least.collect::<Vec<_>>()) {
-                if self.aids.stopped() {
+            let batches: Vec<Vec<Vec<usize>>> = batches.into_iter().chain(least).collect();
+            self.aids.progress.begin("exchanges", u64_from_usize(batches.len()));
+            for batch in batches {
+                if self.aids.progress.stopped() {
                     return;
                 }
                 self.parts(set, value, batch);
+                self.aids.progress.advance(1);
             }
             if *value - before <= (*value).abs() >> 17 {
                 break;
@@ -162,7 +170,9 @@ impl Search<'_, '_> {
                 let cutoff = state.value() - held.value();
                 let part = Part::new(self.program, self.index, &held, free);
                 let work = (self.limits.exchange_nodes, PART_WORK);
-                let best = self.run(&part, set, cutoff, work).best;
+                // Parts run side by side: only the batch is told.
+                let quiet = StopOnly(self.aids.progress);
+                let best = self.run(&part, set, (cutoff, &quiet), work).best;
                 (part.free, best.map(|it| it.0))
             })
             .collect();
@@ -186,7 +196,13 @@ impl Search<'_, '_> {
     }
 
     /// Branch and bound over a part, with the families of the whole.
-    fn run(&self, part: &Part, set: &[bool], cutoff: i128, work: (usize, usize)) -> Found {
+    fn run(
+        &self,
+        part: &Part,
+        set: &[bool],
+        (cutoff, progress): (i128, &dyn Progress),
+        (nodes, work): (usize, usize),
+    ) -> Found {
         let broken = |marks: &[bool]| -> Vec<Row> {
             if self.aids.families.is_empty() {
                 return Vec::new();
@@ -214,14 +230,16 @@ impl Search<'_, '_> {
             })
             .collect()
         };
-        let stop = || self.aids.stopped();
-        let (nodes, work) = work;
-        let task = Task { cutoff, nodes, work, broken: &broken, stop: &stop };
+        let task = Task { cutoff, nodes, work, broken: &broken, progress };
         search(part.program.clone(), &task)
     }
 
     /// Searches all that is not fixed: the bound on all sets, nodes, and why it ended.
-    pub(super) fn core(&mut self, best: &mut Best, fixes: &[Option<bool>]) -> (i128, usize, Ended) {
+    pub(super) fn core(
+        &self,
+        best: &mut Incumbent,
+        fixes: &[Option<bool>],
+    ) -> (i128, usize, Ended) {
         let mut set: Vec<bool> = fixes.iter().map(|fix| fix.unwrap_or(false)).collect();
         for (mark, choice) in set.iter_mut().zip(&self.program.choices) {
             match choice {
@@ -237,7 +255,7 @@ impl Search<'_, '_> {
             .collect();
         let state = State::of(self.program, self.index, &set);
         let held = state.value();
-        // Rows without free choices that the fixed ones break: no better set exists.
+        // Rows without free choices that the fixed ones violate: no better set exists.
         let nothing = |row: usize| {
             self.program.rows[row]
                 .terms
@@ -249,7 +267,10 @@ impl Search<'_, '_> {
             return (known, 0, Ended::Proven);
         }
         let part = Part::new(self.program, self.index, &state, free);
-        let found = self.run(&part, &set, known - held, (self.limits.nodes, self.limits.work));
+        let progress = self.aids.progress;
+        progress.begin("branch and bound", u64_from_usize(self.limits.nodes));
+        let work = (self.limits.nodes, self.limits.work);
+        let found = self.run(&part, &set, (known - held, progress), work);
         if let Some((marks, value)) = found.best {
             for (&choice, mark) in part.free.iter().zip(marks) {
                 set[choice] = mark;

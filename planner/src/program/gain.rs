@@ -1,8 +1,8 @@
-//! What a cell earns: a concave function of an integer sum.
+//! The worth of a cell: a concave function of an integer sum.
 //!
-//! Method: the worth of a cell at sum s is an integer number of units, rounded down where it is not
-//! one. For any slope g >= 0 the concave worth stays at or below `reserve(g) + g s`; reserve is the
-//! convex conjugate, computed so that rounding can only raise it. Slopes carry
+//! Method: the worth at sum s is an integer number of units, rounded down where it is not one. For any
+//! slope g >= 0 the concave worth stays at or below `reserve(g) + g s`; `reserve` is the convex
+//! conjugate of its negative, computed so that rounding can only raise it. Slopes carry
 //! [`FRACTION_BITS`] fractional bits.
 //!
 //! Limits: the logarithm is the platform's, good to some ulp; a margin of [`MARGIN`] units covers it.

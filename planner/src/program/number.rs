@@ -1,4 +1,4 @@
-//! The few conversions between integers and f64 that values and prices need.
+//! The few conversions between integers and f64 that values, prices and counts need.
 
 /// The f64 nearest to an integer.
 #[expect(clippy::cast_precision_loss, reason = "the rounding is what is asked for")]
@@ -32,6 +32,11 @@ pub(crate) fn i64_from_i128(value: i128) -> i64 {
 /// A count as a signed number.
 pub(crate) fn i64_from_usize(value: usize) -> i64 {
     i64::try_from(value).unwrap_or(i64::MAX)
+}
+
+/// A count as an unsigned number of 64 bits.
+pub(crate) fn u64_from_usize(value: usize) -> u64 {
+    u64::try_from(value).unwrap_or(u64::MAX)
 }
 
 /// The f64 nearest to a count.

@@ -1,18 +1,18 @@
-//! Prices and shares from the relaxation, solved by `crate::conic`.
+//! Dual prices and shares from the continuous relaxation, solved by `crate::conic`.
 //!
 //! Method: rows are scaled to a largest number of one, values to a largest of one; each value is
 //! raised by up to [`TIE`] of itself, by a fixed hash of its position, so that of equally good
 //! solutions one is preferred. A logarithm is an exponential cone, whose dual is the cell's slope; a
-//! shortfall is two rows. Above [`ALL_AT_ONCE`] choices the solver sees only some: the best for what
-//! they use, then those worth more than they pay at the prices found, until these hardly matter.
-//! Prices hold for all choices, seen or not.
+//! shortfall is two rows. Above [`ALL_AT_ONCE`] choices columns are generated: first the most valuable
+//! for the capacity they use, then those of positive reduced cost at the prices found, until what is
+//! left out can raise the bound by [`LEFT_OUT`] of it at most. Prices hold for all choices, seen or not.
 //!
 //! Limits: prices are approximate; nothing relies on them but the quality of bound and set.
 
 use super::bound::{Prices, priced};
-use super::gain::UNIT;
+use super::gain::{Gain, UNIT};
 use super::number::{f64_from_i64, f64_from_i128, f64_from_usize};
-use super::{Choice, Gain, Program};
+use super::problem::{Choice, Program};
 use crate::conic::{Cone, Conic, Solution};
 
 /// Largest raise of a value, as a share of it.
@@ -31,14 +31,14 @@ const LOOSE: f64 = 1e-5;
 /// Most iterations of the solver.
 const ITERATIONS: u32 = 200;
 
-/// Prices, and the share of each choice.
+/// Dual prices, and the share of each choice.
 #[derive(Debug, Clone)]
 pub(crate) struct Relaxed {
     pub(super) prices: Prices,
     pub(super) shares: Vec<f64>,
 }
 
-/// Prices and shares; `None` where the solver fails. Shares known already tell which choices matter.
+/// Prices and shares; `None` where the solver fails. Shares known already say which choices matter.
 pub(super) fn solve(program: &Program, known: &[f64]) -> Option<Relaxed> {
     let count = program.values.len();
     let open = |choice: usize| program.choices[choice] != Choice::Never;
@@ -137,11 +137,10 @@ fn solve_over(program: &Program, inside: &[bool]) -> Option<Relaxed> {
     }
     let cell_count = program.cells.len();
     let worth = |choice: usize| f64_from_i64(program.values[choice]);
-    let most = |cell: &super::Cell| cell.base + cell.terms.iter().map(|it| it.1).sum::<i64>();
     let scales = program.cells.iter().map(|cell| match cell.gain {
         Gain::Log { scale, .. } => f64_from_i64(scale),
         Gain::Shortfall { price, wanted } => {
-            f64_from_i64(price) * f64_from_i64(wanted.min(most(cell)).max(1))
+            f64_from_i64(price) * f64_from_i64(wanted.min(cell.most()).max(1))
         }
     });
     let scales: Vec<f64> = scales.collect();
@@ -182,7 +181,7 @@ fn solve_over(program: &Program, inside: &[bool]) -> Option<Relaxed> {
     for (index, cell) in program.cells.iter().enumerate() {
         let column = ids.len() + index;
         if let Gain::Shortfall { wanted, .. } = cell.gain {
-            let wanted = f64_from_i64(wanted.min(most(cell)).max(1));
+            let wanted = f64_from_i64(wanted.min(cell.most()).max(1));
             let mut terms: Vec<(usize, f64)> =
                 inside_terms(&cell.terms).into_iter().map(|(at, w)| (at, -w / wanted)).collect();
             terms.push((column, 1.0));

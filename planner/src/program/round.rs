@@ -1,13 +1,16 @@
-//! First sets: by rounding, repair and filling up.
+//! Primal heuristics: rounding of the relaxation, repair, greedy completion.
 //!
 //! Method: choices come in an order; each that fits is taken, rows with coefficients below zero left
-//! aside at first, since they may need several choices together. Where such a row is broken in the
-//! end, choices that use it are given back, the least valuable per use first; then what fits is
-//! added. Ties fall by position.
+//! aside at first, since they may need several choices together. Where such a row is violated in the
+//! end, choices that use it are removed, the least valuable per use first; then what fits is added.
+//! Ties fall by position.
+//!
+//! Limits: at most [`REPAIRS`] removals; the set may still violate a row, which the caller checks.
 
+use super::family::Family;
 use super::number::{f64_from_i64, f64_from_i128, i64_from_f64};
+use super::problem::{Choice, Program};
 use super::state::{Index, State};
-use super::{Aids, Choice, Program};
 use std::cmp::Reverse;
 
 /// Ways to round.
@@ -43,7 +46,7 @@ fn density(program: &Program, index: &Index, choice: usize) -> f64 {
     (f64_from_i64(program.values[choice]) + cells.sum::<f64>()) / uses(program, index, choice)
 }
 
-/// Choices by what they bring for what they use.
+/// Choices in order of value per share of the rows they use.
 pub(super) fn greedy(program: &Program, index: &Index) -> Vec<bool> {
     let mut order: Vec<(f64, usize)> =
         (0..program.values.len()).map(|choice| (density(program, index, choice), choice)).collect();
@@ -110,7 +113,7 @@ pub(super) fn fill(state: &mut State<'_>, order: &[usize]) {
     }
 }
 
-/// Gives choices back until no row is broken, or none helps.
+/// Removes choices until no row is violated, or none helps.
 fn repair(program: &Program, index: &Index, state: &mut State<'_>) {
     for _ in 0..REPAIRS {
         let Some(row) = state.broken_rows().next() else { return };
@@ -130,22 +133,22 @@ fn repair(program: &Program, index: &Index, state: &mut State<'_>) {
     }
 }
 
-/// The set less what breaks rows of families.
+/// The set less what violates rows of families.
 pub(super) fn within_families(
     program: &Program,
     index: &Index,
-    aids: &Aids<'_>,
+    families: &[&dyn Family],
     set: Vec<bool>,
 ) -> Vec<bool> {
-    if aids.families.is_empty() {
+    if families.is_empty() {
         return set;
     }
     let mut state = State::of(program, index, &set);
     let mut marks = set;
     for _ in 0..REPAIRS {
-        let broken = aids.families.iter().find_map(|it| it.broken(&marks).into_iter().next());
+        let broken = families.iter().find_map(|it| it.broken(&marks).into_iter().next());
         let Some(row) = broken else { break };
-        // The choice that brings least for what it uses of the row.
+        // The choice of least worth per use of the row.
         let out = row
             .terms
             .iter()
@@ -165,7 +168,7 @@ pub(super) fn within_families(
     marks
 }
 
-/// What giving a choice back loses.
+/// What removing a choice loses.
 fn lost(program: &Program, index: &Index, state: &State<'_>, choice: usize) -> i128 {
     let mut lost = i128::from(program.values[choice]);
     for &(cell, adds) in &index.cells[choice] {

@@ -1,8 +1,8 @@
-//! A dual simplex method for choices between bounds, restarted after every change of bounds or rows.
+//! A dual simplex method for bounded variables, warm-started after every change of bounds or rows.
 //!
-//! Method: one dense tableau. Every choice has two finite bounds, so setting each nonbasic one to
+//! Method: one dense tableau. Every variable has two finite bounds, so setting each nonbasic one to
 //! the bound that its reduced cost asks for is dual feasible whatever the bounds are: after any
-//! change the method goes on from the basis it has. The ratio test lets choices jump from bound to
+//! change the method goes on from the basis it has. The ratio test lets variables jump from bound to
 //! bound as long as the dual objective still improves (bound flipping). Rows may be added; nothing
 //! is removed.
 //!
@@ -22,7 +22,7 @@ const SPARSE: usize = 4;
 /// Ratios this close count as equal.
 const TIE: f64 = 1e-11;
 
-/// How a solution ended.
+/// How a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Status {
     /// The relaxation is solved.

@@ -1,6 +1,11 @@
-//! A set of choices, and what it uses of every row, in integers.
+//! A set of choices, evaluated exactly: its worth, what it uses of every row, the sum of every cell.
+//!
+//! Method: used capacities, sums and worth are kept up to date as choices are taken and given back, in
+//! integers, so that one more choice is judged by the rows and cells that hold it alone.
 
-use super::{Choice, Program};
+use super::error::ProgramError;
+use super::family::Family;
+use super::problem::{Choice, Program};
 
 /// Where each choice appears.
 #[derive(Debug)]
@@ -70,7 +75,7 @@ impl<'p> State<'p> {
         state
     }
 
-    /// Takes a choice, or gives it back.
+    /// Takes a choice, or removes it.
     pub(super) fn set(&mut self, choice: usize, taken: bool) {
         if self.taken[choice] == taken {
             return;
@@ -153,5 +158,33 @@ impl<'p> State<'p> {
     /// Its value in units.
     pub(super) const fn value(&self) -> i128 {
         self.value
+    }
+}
+
+impl Program {
+    /// Value of a set in units where it meets every row and family, in exact arithmetic.
+    ///
+    /// # Errors
+    /// [`ProgramError`] where the programme is not one.
+    pub fn evaluate(
+        &self,
+        taken: &[usize],
+        families: &[&dyn Family],
+    ) -> Result<Option<i128>, ProgramError> {
+        self.validate()?;
+        let index = Index::new(self);
+        let mut state = State::new(self, &index);
+        let mut marks = vec![false; self.values.len()];
+        for &choice in taken {
+            if marks.get(choice).is_none_or(|&mark| mark) {
+                return Ok(None);
+            }
+            marks[choice] = true;
+            state.set(choice, true);
+        }
+        let met = state.meets_choices()
+            && state.broken_rows().next().is_none()
+            && families.iter().all(|family| family.broken(&marks).is_empty());
+        Ok(met.then(|| state.value()))
     }
 }

@@ -1,4 +1,6 @@
-//! Which node of branch and bound comes next.
+//! Which node of branch and bound comes next: best bound first.
+//!
+//! Method: an ordered set of bounds beside the nodes; ties fall to the earlier node.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,102 +1,24 @@
 //! Does a schedule meet every rule.
 //!
-//! Method: straight from the problem's own words, in wide integers, with nothing from the modules
+//! Method: straight from the problem's own words, in wide integers, sharing no code with the modules
 //! that build schedules: overlap by a sweep over sorted intervals, minutes per day by clipping each
-//! interval to each day, starts per window by counting from every start.
+//! interval to each day, starts per window by counting from every start, reserved time by sums over
+//! every window that begins or ends with a session, memory by filling and draining it event by event,
+//! scan angles by squares.
+//!
+//! Limits: the first rule broken is named; others may be.
 
-use super::{Exclusive, Problem, fulfil};
+use super::problem::Problem;
+use super::rule::Exclusive;
+use super::violation::Violation;
+use crate::program::number::i128_from_f64;
 use onboard_core::time::{Duration, Instant};
 use std::collections::BTreeMap;
-use thiserror::Error;
 
-/// A rule that a schedule breaks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum Violation {
-    /// No such candidate.
-    #[error("candidate {0} does not exist")]
-    Unknown(usize),
-    /// Taken twice.
-    #[error("candidate {0} is taken twice")]
-    Twice(usize),
-    /// A session reaches outside the mission.
-    #[error("the session of candidate {0} reaches outside the mission")]
-    Outside(usize),
-    /// Two sessions overlap that must not.
-    #[error("the sessions of candidates {0} and {1} overlap")]
-    Overlap(usize, usize),
-    /// A day is overfull.
-    #[error("day {day} has {used_ns} ns reserved, more than {limit_ns} ns")]
-    Day {
-        /// Index of the day, from the first boundary.
-        day: usize,
-        /// Reserved time.
-        used_ns: i128,
-        /// The limit.
-        limit_ns: i64,
-    },
-    /// A window holds too many starts.
-    #[error("{starts} sessions start in the window from {from_tai_ns} ns TAI, more than {count}")]
-    Count {
-        /// Start of the window.
-        from_tai_ns: i128,
-        /// Starts in it.
-        starts: usize,
-        /// Most allowed.
-        count: u32,
-    },
-    /// A forbidden session stands.
-    #[error("candidate {0} is forbidden")]
-    Forbidden(usize),
-    /// A session too near to a body to avoid stands.
-    #[error("candidate {0} comes too near to a body to avoid")]
-    Avoided(usize),
-    /// A session touches a blackout.
-    #[error("the session of candidate {0} touches a blackout")]
-    Blackout(usize),
-    /// A session that must stand does not.
-    #[error("candidate {0} must stand and does not")]
-    Fixed(usize),
-    /// A window holds too much reserved time.
-    #[error("{used_ns} ns are reserved in the thermal window from {from_tai_ns} ns TAI")]
-    Thermal {
-        /// Start of the window.
-        from_tai_ns: i128,
-        /// Reserved time in it.
-        used_ns: i128,
-    },
-    /// The memory overflows.
-    #[error("the memory would hold {held_bit} bits at {at_tai_ns} ns TAI")]
-    Memory {
-        /// When.
-        at_tai_ns: i128,
-        /// What it would hold.
-        held_bit: i128,
-    },
-    /// Scan angles are too alike.
-    #[error("scan angles of target {target} on telescope {telescope} are too alike at n = {n}")]
-    ScanAngle {
-        /// Multiple of the crossing angle.
-        n: u32,
-        /// Index of the target.
-        target: usize,
-        /// Index of the telescope.
-        telescope: usize,
-    },
-    /// A season holds too few sessions.
-    #[error(
-        "a season of target {target} on telescope {telescope} holds {held} sessions, fewer than \
-         {wanted}"
-    )]
-    Season {
-        /// Index of the target.
-        target: usize,
-        /// Index of the telescope.
-        telescope: usize,
-        /// Sessions in it.
-        held: i128,
-        /// Fewest allowed.
-        wanted: i128,
-    },
+const NS: i128 = 1_000_000_000;
+
+fn ns(at: Instant) -> i128 {
+    i128::from(at.tai_ns())
 }
 
 /// A reserved interval.
@@ -113,7 +35,6 @@ struct Interval {
 /// The first [`Violation`] found.
 pub fn check(problem: &Problem, chosen: &[usize]) -> Result<(), Violation> {
     let rules = &problem.rules;
-    let ns = |at: Instant| i128::from(at.tai_ns());
     let length = |span: Duration| i128::from(span.ns());
     let mut all = Vec::with_capacity(chosen.len());
     for &candidate in chosen {
@@ -133,7 +54,7 @@ pub fn check(problem: &Problem, chosen: &[usize]) -> Result<(), Violation> {
     check_overlap(problem, &all)?;
     check_days(problem, &all)?;
     check_counts(problem, &all)?;
-    fulfil::demands(problem, chosen)
+    check_demands(problem, chosen)
 }
 
 fn check_overlap(problem: &Problem, all: &[Interval]) -> Result<(), Violation> {
@@ -189,6 +110,131 @@ fn check_counts(problem: &Problem, all: &[Interval]) -> Result<(), Violation> {
         let inside = last - first;
         if u32::try_from(inside).map_or(true, |inside| inside > rule.count) {
             return Err(Violation::Count { from_tai_ns, starts: inside, count: rule.count });
+        }
+    }
+    Ok(())
+}
+
+/// The first demand that a schedule breaks.
+fn check_demands(problem: &Problem, chosen: &[usize]) -> Result<(), Violation> {
+    let demands = &problem.demands;
+    for &candidate in chosen {
+        let (from, until) = problem.reserved(candidate);
+        if demands.forbidden.contains(&candidate) {
+            return Err(Violation::Forbidden(candidate));
+        }
+        if demands.avoided.contains(&candidate) {
+            return Err(Violation::Avoided(candidate));
+        }
+        if demands.blackouts.iter().any(|it| it.0 < until && from < it.1) {
+            return Err(Violation::Blackout(candidate));
+        }
+    }
+    if let Some(&missing) = demands.fixed.iter().find(|it| !chosen.contains(it)) {
+        return Err(Violation::Fixed(missing));
+    }
+    heat(problem, chosen)?;
+    memory(problem, chosen)?;
+    angles(problem, chosen)?;
+    seasons(problem, chosen)
+}
+
+fn heat(problem: &Problem, chosen: &[usize]) -> Result<(), Violation> {
+    let Some(rule) = problem.demands.thermal else { return Ok(()) };
+    let mut all: Vec<(i128, i128)> = chosen
+        .iter()
+        .map(|&it| problem.reserved(it))
+        .map(|(from, until)| (ns(from), ns(until)))
+        .collect();
+    all.sort_unstable();
+    let window = i128::from(rule.window.ns());
+    let longest = all.iter().map(|it| it.1 - it.0).max().unwrap_or(0);
+    for from in all.iter().flat_map(|it| [it.0, it.1 - window]) {
+        let first = all.partition_point(|it| it.0 < from - longest);
+        let near = all[first..].iter().take_while(|it| it.0 < from + window);
+        let used: i128 = near.map(|it| (it.1.min(from + window) - it.0.max(from)).max(0)).sum();
+        if used > i128::from(rule.most.ns()) {
+            return Err(Violation::Thermal { from_tai_ns: from, used_ns: used });
+        }
+    }
+    Ok(())
+}
+
+fn memory(problem: &Problem, chosen: &[usize]) -> Result<(), Violation> {
+    let Some(data) = &problem.demands.data else { return Ok(()) };
+    // Rates in force between events, in bits per second.
+    let mut events: BTreeMap<i128, i128> = BTreeMap::new();
+    let mut add = |from: Instant, until: Instant, rate: i128| {
+        *events.entry(ns(from)).or_default() += rate;
+        *events.entry(ns(until)).or_default() -= rate;
+    };
+    for &candidate in chosen {
+        let it = &problem.candidates[candidate];
+        add(it.first_entry, it.last_exit, i128::from(data.rate_bit_s));
+    }
+    for contact in &data.contacts {
+        add(contact.from, contact.until, -i128::from(contact.bit_s));
+    }
+    let (mut held, mut rate, mut last) = (0_i128, 0_i128, None::<i128>);
+    for (at, change) in events {
+        if let Some(last) = last {
+            held = (held + rate * (at - last)).max(0);
+        }
+        if held > i128::from(data.memory_bit) * NS {
+            return Err(Violation::Memory { at_tai_ns: at, held_bit: held / NS });
+        }
+        rate += change;
+        last = Some(at);
+    }
+    Ok(())
+}
+
+fn angles(problem: &Problem, chosen: &[usize]) -> Result<(), Violation> {
+    for rule in &problem.demands.diversity {
+        let mut sums: BTreeMap<(usize, usize), [i128; 3]> = BTreeMap::new();
+        for &candidate in chosen {
+            let it = &problem.candidates[candidate];
+            let [weight, cos, sin] = rule.sums[candidate];
+            let whole =
+                [(rule.rho * (weight * 1e3)).floor(), (cos * 1e3).round(), (sin * 1e3).round()];
+            let sum = sums.entry((it.target, it.telescope)).or_default();
+            for (sum, of) in sum.iter_mut().zip(whole) {
+                *sum += i128_from_f64(of);
+            }
+        }
+        for ((target, telescope), [most, c, s]) in sums {
+            if c * c + s * s > most * most {
+                return Err(Violation::ScanAngle { n: rule.n, target, telescope });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn seasons(problem: &Problem, chosen: &[usize]) -> Result<(), Violation> {
+    let Some(rule) = problem.demands.min_sessions else { return Ok(()) };
+    let start = ns(problem.span.0);
+    let length = i128::from(rule.window.ns());
+    let season = |candidate: usize| (ns(problem.reserved(candidate).0) - start).div_euclid(length);
+    let mut counts: BTreeMap<(usize, usize, i128), (i128, i128)> = BTreeMap::new();
+    for (candidate, it) in problem.candidates.iter().enumerate() {
+        let (from, until) = problem.reserved(candidate);
+        let inside = from >= problem.span.0 && until <= problem.span.1;
+        if inside && problem.value(candidate) > 0.0 && !problem.demands.avoided.contains(&candidate)
+        {
+            counts.entry((it.target, it.telescope, season(candidate))).or_default().0 += 1;
+        }
+    }
+    for &candidate in chosen {
+        let it = &problem.candidates[candidate];
+        counts.entry((it.target, it.telescope, season(candidate))).or_default().1 += 1;
+    }
+    for ((target, telescope, season), (offered, held)) in counts {
+        let end = (start + (season + 1) * length).min(ns(problem.span.1));
+        let part = end - (start + season * length);
+        let wanted = (i128::from(rule.count) * part / length).min(offered);
+        if held < wanted {
+            return Err(Violation::Season { target, telescope, held, wanted });
         }
     }
     Ok(())

@@ -1,12 +1,12 @@
-//! What a schedule must respect beyond the first [`Rules`](super::Rules), and what else it may aim at.
+//! What a schedule must respect beyond [`Rules`](super::Rules), and what else it may aim at.
 //!
 //! Each part is absent unless given. Times are instants of TAI, durations nanoseconds, prices in units
 //! of the objective.
 //!
-//! Limits: a season is a stretch of the mission from its start, not a window that slides; the
+//! Limits: a season is a fixed window, consecutive from the mission's start, not one that slides; the
 //! longest gap is charged in steps (see [`LongestGap`]); scan angles count in whole milliseconds.
 
-use super::{ScheduleError, SessionCount};
+use super::rule::SessionCount;
 use onboard_core::time::{Duration, Instant};
 use std::collections::BTreeMap;
 
@@ -139,81 +139,5 @@ impl Demands {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self { values: self.values.clone(), ..Self::default() }
-    }
-
-    pub(super) fn validate(&self, candidates: usize) -> Result<(), ScheduleError> {
-        let entries = |name, entries: usize| {
-            let error = ScheduleError::Entries { name, entries, candidates };
-            if entries == candidates { Ok(()) } else { Err(error) }
-        };
-        let exist = |name, list: &[usize]| match list.iter().find(|it| **it >= candidates) {
-            Some(&candidate) => Err(ScheduleError::Candidate { name, candidate }),
-            None => Ok(()),
-        };
-        let positive = |name, length: Duration| {
-            let error = ScheduleError::Duration { name, ns: length.ns(), must: "be positive" };
-            if length.ns() > 0 { Ok(()) } else { Err(error) }
-        };
-        let price = |name, number: f64| {
-            let must = "be finite and not negative";
-            let legal = number.is_finite() && number >= 0.0;
-            if legal { Ok(()) } else { Err(ScheduleError::Number { name, number, must }) }
-        };
-        exist("fixed", &self.fixed)?;
-        exist("forbidden", &self.forbidden)?;
-        exist("avoided", &self.avoided)?;
-        if let Some(rule) = self.min_sessions {
-            positive("the season of min_sessions", rule.window)?;
-        }
-        if let Some(rule) = self.longest_gap {
-            positive("the longest gap", rule.longest)?;
-            price("the price per day of the longest gap", rule.price_per_day)?;
-        }
-        for rule in &self.diversity {
-            entries("scan_angle", rule.sums.len())?;
-            let (name, number) = ("rho of scan_angle", rule.rho);
-            if !(0.0..=1.0).contains(&number) {
-                return Err(ScheduleError::Number { name, number, must: "lie from 0 to 1" });
-            }
-            let finite = |sums: &[f64; 3]| sums.iter().all(|it| it.abs() < 1e9);
-            if let Some(candidate) = rule.sums.iter().position(|sums| !finite(sums)) {
-                return Err(ScheduleError::Candidate { name: "scan_angle", candidate });
-            }
-        }
-        if let Some(data) = &self.data {
-            if data.rate_bit_s == 0 {
-                let (name, must) = ("the data rate", "be positive");
-                return Err(ScheduleError::Number { name, number: 0.0, must });
-            }
-            let mut last = None;
-            for (index, it) in data.contacts.iter().enumerate() {
-                if it.until < it.from || last.is_some_and(|last| it.from < last) {
-                    return Err(ScheduleError::Contacts(index));
-                }
-                last = Some(it.until);
-            }
-        }
-        if let Some(rule) = self.thermal {
-            positive("the thermal window", rule.window)?;
-            let (name, ns) = ("the thermal limit", rule.most.ns());
-            if ns < 0 {
-                return Err(ScheduleError::Duration { name, ns, must: "not be negative" });
-            }
-        }
-        if let Some(previous) = &self.previous {
-            exist("the previous plan", &previous.sessions)?;
-            price("the price of a change", previous.price)?;
-        }
-        if !self.values.is_empty() {
-            entries("the values of candidates", self.values.len())?;
-            self.values.iter().try_for_each(|it| price("the value of a candidate", *it))?;
-        }
-        if let Some(log) = &self.log {
-            entries("the logarithmic objective", log.parts.len())?;
-            positive("the offset of the logarithmic objective", log.offset)?;
-            positive("the epoch of the logarithmic objective", log.epoch)?;
-            log.weights.values().try_for_each(|it| price("the weight of a cell", *it))?;
-        }
-        Ok(())
     }
 }

@@ -1,10 +1,13 @@
-//! A schedule in the making: what stands, and what the rules leave.
+//! A schedule under construction: the sessions that stand, and the capacity that is left.
 //!
 //! Method: the sessions that stand are kept per lane and by start, and the reserved time per cell,
 //! so that one more is checked in logarithmic time, exactly.
+//!
+//! Limits: it knows overlap, days and windows of starts; further rules are the programme's
+//! (`joint/`).
 
-use super::explain::Because;
 use super::model::{Model, Session};
+use super::reason::Because;
 use onboard_core::time::Instant;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -43,6 +46,11 @@ impl<'a> Draft<'a> {
     /// Whether a session stands.
     pub(super) fn stands(&self, id: usize) -> bool {
         self.stands[id]
+    }
+
+    /// Whether each session stands.
+    pub(super) fn marks(&self) -> &[bool] {
+        &self.stands
     }
 
     /// Sum of the values in units.

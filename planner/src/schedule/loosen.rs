@@ -1,4 +1,4 @@
-//! What giving way a little in one rule would bring, target by target.
+//! Sensitivity: what loosening one rule by a step would bring, target by target.
 //!
 //! Method: the relaxation of the problem as it is, and once more with each rule loosened by a step
 //! that people think in ([`Give`]). The differences of objective and of each target's time in view
@@ -10,12 +10,13 @@
 //! Limits: an estimate, not a bound: sessions are not taken in parts. Rules that forbid (blackouts,
 //! avoidance, fixed and forbidden sessions) have no step.
 
+use super::error::ScheduleError;
+use super::joint::{Facts, build};
 use super::model::Model;
-use super::rows::{Facts, build};
-use super::{Problem, ScheduleError};
-use super::{Stop, asked};
-use crate::program::number::f64_from_i128;
+use super::problem::Problem;
+use crate::program::number::{f64_from_i128, u64_from_usize};
 use crate::program::{Family, relaxed_shares};
+use crate::progress::Progress;
 use onboard_core::time::Duration;
 use rayon::prelude::*;
 use std::fmt;
@@ -31,7 +32,7 @@ const PART: i64 = 3;
 const LEAST_S: f64 = 1.0;
 const DAY_NS: i64 = 86_400_000_000_000;
 
-/// How a rule gives way.
+/// The step by which a rule is loosened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Give {
     /// Ten more minutes of reserved time per day.
@@ -130,7 +131,7 @@ impl Give {
     }
 }
 
-/// What a rule's giving way would bring in the relaxation.
+/// What loosening a rule would bring in the relaxation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loosening {
     /// The step.
@@ -186,12 +187,12 @@ fn thinned(problem: &Problem) -> Problem {
     thin
 }
 
-/// What each rule's giving way would bring, the most rewarding first. Rules whose relaxation cannot
-/// be solved are left out; all are once `stop` says to stop.
+/// What loosening each rule would bring, the most rewarding first. Rules whose relaxation cannot be
+/// solved are left out; all are once `progress` asks to stop.
 ///
 /// # Errors
 /// [`ScheduleError`] when the problem is not well posed.
-pub fn loosen(problem: &Problem, stop: Stop<'_>) -> Result<Vec<Loosening>, ScheduleError> {
+pub fn loosen(problem: &Problem, progress: &dyn Progress) -> Result<Vec<Loosening>, ScheduleError> {
     problem.validate()?;
     let thin = (problem.candidates.len() > MOST).then(|| thinned(problem));
     let problem = thin.as_ref().unwrap_or(problem);
@@ -199,7 +200,12 @@ pub fn loosen(problem: &Problem, stop: Stop<'_>) -> Result<Vec<Loosening>, Sched
         .into_iter()
         .filter_map(|give| give.apply(problem).map(|looser| (give, looser)))
         .collect();
-    let relaxed = |problem: &Problem| if asked(stop) { None } else { relaxed(problem) };
+    progress.begin("loosened rules", u64_from_usize(steps.len()).saturating_add(1));
+    let relaxed = |problem: &Problem| {
+        let found = if progress.stopped() { None } else { relaxed(problem) };
+        progress.advance(1);
+        found
+    };
     let (before, after) = rayon::join(
         || relaxed(problem),
         || steps.par_iter().map(|(_, looser)| relaxed(looser)).collect::<Vec<_>>(),

@@ -4,13 +4,16 @@
 //! value is rounded up, so that a bound on sums of units is a bound on sums of values. At most 2^21
 //! candidates of at most 2^40 units keep every sum inside an i64.
 //!
-//! **Cells** are the stretches of time that are searched exactly: the days of the day rule where
-//! there is one, else equal parts of the mission.
+//! **Lanes** hold the sessions of which no two may overlap: one per telescope, or one for all. **Cells**
+//! are the stretches of time that are searched exactly: the days of the day rule where there is one,
+//! else equal parts of the mission.
 //!
-//! Limits: candidates without value, outside the mission, or too long for a day never enter.
+//! Limits: candidates without value, outside the mission, or too long for a day never enter; the reason
+//! is noted for each.
 
-use super::explain::Because;
-use super::{Exclusive, Problem, Rules};
+use super::problem::Problem;
+use super::reason::Because;
+use super::rule::{Exclusive, Rules};
 use crate::program::number::{f64_from_i128, i64_from_f64};
 use onboard_core::time::Duration;
 
@@ -119,6 +122,11 @@ impl Model {
             lane_names: self.lane_names.clone(),
             ..*self
         }
+    }
+
+    /// Candidates of sessions, in their order.
+    pub(super) fn candidates(&self, ids: &[usize]) -> Vec<usize> {
+        ids.iter().map(|&id| self.sessions[id].candidate).collect()
     }
 
     /// Whether two sessions must not stand together because they overlap.

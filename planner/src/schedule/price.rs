@@ -1,6 +1,6 @@
-//! Prices of the rules, in integer units of value.
+//! Dual prices of the rules, in integer units of value.
 //!
-//! Each price belongs to one inequality that every schedule meets:
+//! Each price is the multiplier of one inequality that every schedule meets:
 //!
 //! | price | inequality |
 //! |---|---|
@@ -8,7 +8,7 @@
 //! | of a cell's nanosecond | reserved time in the cell is at most the day's limit |
 //! | of a window from t | at most `count` sessions start in `[t, t + window)` |
 //!
-//! so any prices at or above zero bound every schedule from above (`bound.rs`), however found.
+//! so any prices at or above zero bound every schedule from above (`daily/bound.rs`), however found.
 //!
 //! Method: prices of instants and windows as running sums over sorted instants, so that what a
 //! session pays is a difference of two sums; a cell's price per nanosecond carries 48 fractional

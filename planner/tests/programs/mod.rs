@@ -1,24 +1,8 @@
 //! Made-up programmes: intervals on telescopes, and budgets that all of them share.
 
+use crate::random::between;
+use ephem::random::SplitMix64;
 use planner::program::{Choice, Program, Row};
-
-/// Sebastiano Vigna's splitmix64.
-pub(crate) struct SplitMix64(pub(crate) u64);
-
-impl SplitMix64 {
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number in `low..=high`.
-    pub(crate) fn between(&mut self, low: i64, high: i64) -> i64 {
-        low + i64::try_from(self.next() % u64::try_from(high - low + 1).unwrap()).unwrap()
-    }
-}
 
 /// What the values of opportunities are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,9 +46,9 @@ pub(crate) fn instance(shape: &Shape, seed: u64) -> Instance {
     let span = 100 * count / (lanes * shape.depth).max(1);
     let mut intervals: Vec<(usize, i64, i64)> = (0..count)
         .map(|_| {
-            let start = random.between(0, span);
-            let length = random.between(20, 180);
-            (usize::try_from(random.between(0, lanes - 1)).unwrap(), start, start + length)
+            let start = between(&mut random, 0, span);
+            let length = between(&mut random, 20, 180);
+            (usize::try_from(between(&mut random, 0, lanes - 1)).unwrap(), start, start + length)
         })
         .collect();
     intervals.sort_by_key(|it| (it.1, it.2, it.0));
@@ -83,7 +67,7 @@ pub(crate) fn instance(shape: &Shape, seed: u64) -> Instance {
         };
         let terms: Vec<(usize, i64)> = (0..intervals.len())
             .filter(|&at| stretch.contains(&intervals[at].1))
-            .map(|at| (at, random.between(10, 100)))
+            .map(|at| (at, between(&mut random, 10, 100)))
             .collect();
         for &(at, a) in &terms {
             uses[at] += a;
@@ -95,10 +79,10 @@ pub(crate) fn instance(shape: &Shape, seed: u64) -> Instance {
         .iter()
         .zip(&uses)
         .map(|(&(_, start, end), &uses)| match shape.values {
-            Values::Uniform => random.between(1, 1_000),
-            Values::Length => (end - start) * 10 + random.between(0, 50),
-            Values::Tied => 100 * random.between(1, 4),
-            Values::Correlated => uses + random.between(0, 100),
+            Values::Uniform => between(&mut random, 1, 1_000),
+            Values::Length => (end - start) * 10 + between(&mut random, 0, 50),
+            Values::Tied => 100 * between(&mut random, 1, 4),
+            Values::Correlated => uses + between(&mut random, 0, 100),
         })
         .collect();
     let choices = vec![Choice::Free; intervals.len()];

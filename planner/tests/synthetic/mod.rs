@@ -1,6 +1,7 @@
 //! A made-up mission with the rhythm of a real one: outer planets pass through three fields of view
 //! of a precessing, spinning telescope. Deterministic; no kernel needed.
 
+use ephem::random::SplitMix64;
 use onboard_core::time::{Duration, Instant};
 use planner::schedule::{Candidate, Demands, Exclusive, Problem, Rules, SessionCount};
 use std::collections::BTreeMap;
@@ -18,24 +19,6 @@ const BETA_DEG: f64 = 50.0;
 const SPEED_DEG_S: f64 = 0.26;
 /// Synodic periods in days: Mars, Jupiter, Saturn, Uranus, Neptune.
 const SYNODIC_DAYS: [f64; 5] = [779.9, 398.9, 378.1, 369.7, 367.5];
-
-/// Sebastiano Vigna's splitmix64.
-pub(crate) struct SplitMix64(pub(crate) u64);
-
-impl SplitMix64 {
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number in [0, 1).
-    pub(crate) fn unit(&mut self) -> f64 {
-        f64::from(u32::try_from(self.next() >> 32).unwrap_or(0)) / 4_294_967_296.0
-    }
-}
 
 /// The rules of the default mission.
 pub(crate) fn default_rules(days: i64) -> Rules {
@@ -58,14 +41,14 @@ pub(crate) fn mission(days: i64, seed: u64, jitter: bool, rules: Rules) -> Probl
     let mut groups: BTreeMap<(i64, usize, usize), (f64, f64, f64)> = BTreeMap::new();
     let span_s = Duration::from_ns(days * DAY_NS).seconds();
     for (target, synodic) in SYNODIC_DAYS.iter().enumerate() {
-        let phase = random.unit() * TAU;
+        let phase = unit(&mut random) * TAU;
         for telescope in 0..3 {
             let (height, offset) = match telescope {
                 0 => (4.0, 0.0),
-                _ if jitter => (14.0, random.unit() - 0.5),
+                _ if jitter => (14.0, unit(&mut random) - 0.5),
                 _ => (14.0, 0.0),
             };
-            let mut at = random.unit() * if jitter { SPIN_S } else { 0.0 };
+            let mut at = unit(&mut random) * if jitter { SPIN_S } else { 0.0 };
             while at < span_s {
                 let elongation = (phase + at / 86_400.0 / synodic * TAU).rem_euclid(TAU) - PI;
                 let turn = (at / PRECESSION_S).floor();
@@ -113,4 +96,9 @@ fn separation_deg(from_anti_sun_rad: f64, precession_rad: f64) -> f64 {
     let (sa, ca) = ALPHA_DEG.to_radians().sin_cos();
     let (sg, cg) = from_anti_sun_rad.sin_cos();
     (ca * cg + sa * sg * precession_rad.cos()).clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// A number in [0, 1), of 32 bits as the mission was drawn whose optimum is stored.
+fn unit(random: &mut SplitMix64) -> f64 {
+    f64::from(u32::try_from(random.bits() >> 32).unwrap_or(0)) / 4_294_967_296.0
 }

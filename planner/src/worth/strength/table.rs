@@ -15,6 +15,16 @@
 //! Limits: Mars varies by some 10 % with season and distance from the Sun, and Saturn's rings and
 //! tilt change its flux by as much; the table holds means. Tau A is 7' x 5' wide and fades by about
 //! 0.2 % a year, which is left out. Mercury, Venus, the Moon, Cas A and Cen A are not in the table.
+//!
+//! # Example
+//! ```
+//! use planner::worth::strength::table::{Calibrator, calibrator};
+//!
+//! let Some(Calibrator::Disc(jupiter)) = calibrator("jupiter") else { panic!("not in the table") };
+//! assert_eq!(jupiter.brightness_k(143.0), Some(174.1));
+//! assert_eq!(jupiter.brightness_k(857.0), None);
+//! assert!(calibrator("moon").is_none());
+//! ```
 
 /// A planet as a uniform disc.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,22 +1,24 @@
-//! Moves the amounts and prices of a split so that its bound falls.
+//! Moves the multipliers of a split so that its bound falls: subgradient methods.
 //!
 //! The bound is convex in amounts and prices, and where cells disagree about a session, or starts
-//! about a window, is a subgradient. Method: first a step per number that grows while the sign stays
-//! and halves when it turns (Riedmiller and Braun 1993, Rprop), for the windows that the relaxation
-//! prices, which falls fast and then stalls; then the volume algorithm (Barahona and Anbil 2000) with
-//! all windows: from the best point along a running mean of the subgradients, as far as a share of
-//! the bound over the mean's square.
+//! about a window, is a subgradient.
+//!
+//! Method: first resilient steps, one per multiplier, each of which grows while the sign stays and halves
+//! when it turns (Riedmiller and Braun 1993, Rprop), for the windows that the relaxation prices, which
+//! falls fast and then stalls; then the volume algorithm (Barahona and Anbil 2000) with all windows: from
+//! the best point along a running mean of the subgradients, as far as a share of the bound over the
+//! mean's square.
 //!
 //! Limits: neither reaches the least bound; LiteBIRD's three years end some 0.003 % above what four
 //! times the rounds give.
 
-use super::price::Ladder;
-use super::relaxation::window_starts;
 use super::split::{Best, Split};
 use crate::program::number::{f64_from_i64, f64_from_i128, i64_from_f64, i64_from_usize};
+use crate::schedule::instants::window_starts;
+use crate::schedule::price::Ladder;
 use std::collections::BTreeMap;
 
-/// Rounds with a step per number.
+/// Rounds with a step per multiplier.
 const QUICK: usize = 20;
 /// First step of an amount, and of a window's price, over the mean value of a relaxed session.
 const FIRST_STEP: (f64, f64) = (0.12, 0.012);
@@ -106,7 +108,7 @@ impl Slopes {
     }
 }
 
-/// How one number is moved.
+/// How one multiplier is moved.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     size: f64,
@@ -128,7 +130,7 @@ impl Step {
     }
 }
 
-/// A step per number.
+/// Resilient steps, one per multiplier.
 #[derive(Debug)]
 struct Quick {
     /// Per part; that of a session's first part is not used.
@@ -173,7 +175,7 @@ impl Quick {
     }
 }
 
-/// One number of the volume algorithm.
+/// One multiplier of the volume algorithm.
 #[derive(Debug, Clone, Copy, Default)]
 struct Moved {
     /// Now.

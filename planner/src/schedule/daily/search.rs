@@ -1,20 +1,22 @@
-//! The best choices among a few sessions, and a bound on them, by exact search.
+//! The best sets among a few sessions, and a bound on them, by depth-first branch and bound.
 //!
 //! A **region** is a set of sessions that may be added to what already stands, with what the rules
 //! leave for them. The search walks over sets of sessions that stand together, one session added per
 //! node, and keeps for each node the sessions that may still be added.
 //!
-//! Method: depth first; those that reach in from before first, then the most valuable (by value less
-//! price where no day limit makes time short). A branch ends where one of two bounds shows that it
-//! holds nothing better: the prices (worth of the capacity, plus the reduced values taken, plus the
-//! positive ones that remain), or the best filling of the time and places left by sessions not yet
-//! looked at, overlap ignored, from a table (`fill.rs`). Sets of sessions are bits, one set per depth,
-//! so that a node allocates nothing.
+//! Method: those that reach in from before first, then the most valuable (by reduced value where no day
+//! limit makes time short). A branch is pruned where one of two bounds shows that it holds nothing
+//! better: weak duality (worth of the capacity, plus the reduced values taken, plus the positive ones
+//! that remain), or the knapsack of the time and places left over sessions not yet looked at, overlap
+//! ignored (`knapsack.rs`). Sets of sessions are bits, one set per depth, so that a node allocates
+//! nothing.
 //!
 //! Limits: at most [`Effort::nodes`] nodes; the bound returned then covers what was not visited.
 
-use super::fill::{Fill, Kind, Piece, promising};
-use super::model::{Model, Session};
+use super::bits::Bits;
+use super::knapsack::{Kind, Knapsack, Piece, promising};
+use super::starts::{crowded, start_fits};
+use crate::schedule::model::{Model, Session};
 use std::cmp::Reverse;
 use std::ops::Range;
 
@@ -40,7 +42,7 @@ pub(super) struct Region<'a> {
     pub(super) cells: Range<usize>,
     /// Time left in each of these cells, ns; empty without a day limit.
     pub(super) left: Vec<i64>,
-    /// How many of these cells, from the first, the filling counts as one.
+    /// How many of these cells, from the first, the knapsack counts as one.
     pub(super) filled: usize,
     /// Starts that already stand and may share a window with an item, ascending.
     pub(super) starts: Vec<i64>,
@@ -73,7 +75,7 @@ struct Choice {
     session: Session,
     item: Item,
     kind: Kind,
-    /// Time in the cells that the filling counts, ns.
+    /// Time in the cells that the knapsack counts, ns.
     time: i64,
     /// Where its time in all cells stands in [`Walk::parts`].
     parts: (usize, usize),
@@ -86,7 +88,7 @@ struct Walk<'a> {
     choices: Vec<Choice>,
     /// (cell of the region, ns) of all choices.
     parts: Vec<(usize, i64)>,
-    fill: Fill,
+    knapsack: Knapsack,
     left: Vec<i64>,
     starts: Vec<i64>,
     /// For each choice, those after it that may stand together with it.
@@ -120,7 +122,7 @@ pub(super) fn search(region: &Region<'_>, at_least: i64, effort: Effort) -> Foun
         effort,
         choices,
         parts,
-        fill: Fill::default(),
+        knapsack: Knapsack::default(),
         left: region.left.clone(),
         starts: region.starts.clone(),
         together: Bits::default(),
@@ -181,7 +183,7 @@ impl Walk<'_> {
             (group, Reverse(first), it.time, it.item.id)
         });
         let pieces: Vec<Piece> = choices.iter().map(Choice::piece).collect();
-        self.fill = Fill::new(&pieces, time_left, self.places);
+        self.knapsack = Knapsack::new(&pieces, time_left, self.places);
         let model = self.region.model;
         self.together = Bits::sets_of(choices.len());
         for (index, choice) in choices.iter().enumerate() {
@@ -200,7 +202,7 @@ impl Walk<'_> {
         self.choices = choices;
     }
 
-    /// Time left in the cells that the filling counts; `None` where there is no limit.
+    /// Time left in the cells that the knapsack counts; `None` where there is no limit.
     fn time_left(&self) -> Option<i64> {
         let filled = self.left.iter().take(self.region.filled);
         (!self.left.is_empty()).then(|| filled.fold(0, |sum: i64, &ns| sum.saturating_add(ns)))
@@ -222,7 +224,7 @@ impl Walk<'_> {
     fn visit(&mut self, depth: usize, value: i64, priced: i64) {
         let time_left = self.time_left();
         let mut next = self.open.first_from(depth, 0);
-        let most = next.map_or(0, |first| self.fill.most(first, time_left, self.places));
+        let most = next.map_or(0, |first| self.knapsack.most(first, time_left, self.places));
         if value.saturating_add(most) <= self.threshold {
             return;
         }
@@ -230,7 +232,7 @@ impl Walk<'_> {
         while let Some(index) = next {
             next = self.open.first_from(depth, index + 1);
             let choice = self.choices[index];
-            let filled = self.fill.most(index, time_left, self.places);
+            let filled = self.knapsack.most(index, time_left, self.places);
             let by_price = self.by_price[depth * self.choices.len() + index];
             let bound = value.saturating_add(filled).min(priced.saturating_add(by_price));
             if bound <= self.threshold {
@@ -246,7 +248,7 @@ impl Walk<'_> {
             self.path.push(choice.item.id);
             self.note(value);
             self.take(&choice, true);
-            let most = self.fill.most(index + 1, self.time_left(), self.places);
+            let most = self.knapsack.most(index + 1, self.time_left(), self.places);
             if value.saturating_add(most) > self.threshold {
                 self.open_after(depth, index);
                 self.visit(depth + 1, value, priced + choice.item.reduced);
@@ -326,149 +328,8 @@ impl Walk<'_> {
     }
 }
 
-/// Sets of numbers below a limit, each a row of words.
-#[derive(Debug, Default)]
-struct Bits {
-    /// Words of a row.
-    width: usize,
-    words: Vec<u64>,
-}
-
-impl Bits {
-    /// No set yet of numbers below `limit`.
-    fn sets_of(limit: usize) -> Self {
-        Self { width: limit.div_ceil(64).max(1), words: Vec::new() }
-    }
-
-    /// Adds an empty set; its row.
-    fn push(&mut self) -> usize {
-        let row = self.words.len() / self.width;
-        self.words.resize(self.words.len() + self.width, 0);
-        row
-    }
-
-    fn insert(&mut self, row: usize, number: usize) {
-        self.words[row * self.width + number / 64] |= 1 << (number % 64);
-    }
-
-    fn remove(&mut self, row: usize, number: usize) {
-        self.words[row * self.width + number / 64] &= !(1 << (number % 64));
-    }
-
-    /// Writes what a row has in common with a row of others into the row after it, which it returns.
-    fn meet(&mut self, row: usize, (others, other): (&Self, usize)) -> usize {
-        let from = (row + 1) * self.width;
-        if self.words.len() < from + self.width {
-            self.words.resize(from + self.width, 0);
-        }
-        let (before, after) = self.words.split_at_mut(from);
-        let mine = &before[row * self.width..];
-        let theirs = &others.words[other * others.width..][..others.width];
-        for ((into, a), b) in after.iter_mut().zip(mine).zip(theirs) {
-            *into = a & b;
-        }
-        row + 1
-    }
-
-    /// The least number of a row that is at least `least`.
-    fn first_from(&self, row: usize, least: usize) -> Option<usize> {
-        let words = &self.words[row * self.width..][..self.width];
-        let mut at = least / 64;
-        let mut word = words.get(at)? & (u64::MAX << (least % 64));
-        while word == 0 {
-            at += 1;
-            word = *words.get(at)?;
-        }
-        Some(64 * at + word.trailing_zeros() as usize)
-    }
-
-    /// The largest number of a row below `end`.
-    fn last_before(&self, row: usize, end: usize) -> Option<usize> {
-        let words = &self.words[row * self.width..][..self.width];
-        let mut at = end / 64;
-        let mut word = words.get(at).map_or(0, |it| it & !(u64::MAX << (end % 64)));
-        while word == 0 {
-            at = at.checked_sub(1)?;
-            word = words[at];
-        }
-        Some(64 * at + 63 - word.leading_zeros() as usize)
-    }
-}
-
 impl Choice {
     const fn piece(&self) -> Piece {
         Piece { value: self.item.value, time: self.time, kind: self.kind }
-    }
-}
-
-/// Whether one more start leaves at most `count` in every half-open window; `starts` ascend and
-/// leave as much already.
-pub(super) fn start_fits(starts: &[i64], start: i64, count: usize, window: i64) -> bool {
-    if starts.len() < count {
-        return true;
-    }
-    if count == 0 {
-        return false;
-    }
-    // The new start and `count` neighbours in order must span a window or more.
-    let place = starts.partition_point(|&other| other < start);
-    let first = place.saturating_sub(count);
-    let last = (place + count).min(starts.len());
-    starts[first..last].windows(count).all(|run| {
-        let from = run[0].min(start);
-        let until = run[count - 1].max(start);
-        until.saturating_sub(from) >= window
-    })
-}
-
-/// Where, ends excluded, no start fits any more because of `start`, which stands among `starts`
-/// (ascending); nowhere is an empty interval.
-fn crowded(starts: &[i64], start: i64, (count, window): (usize, i64)) -> (i64, i64) {
-    let place = starts.partition_point(|&other| other < start);
-    let first = (place + 1).saturating_sub(count);
-    let last = (place + count).min(starts.len());
-    // A run of `count` starts shorter than the window lets nothing in within a window of both its ends;
-    // those that hold `start` exclude intervals about it.
-    let runs = starts[first..last].windows(count.max(1)).map(|run| (run[0], run[run.len() - 1]));
-    let full = runs.filter(|(from, until)| until.saturating_sub(*from) < window);
-    full.fold((start, start), |(low, high), (from, until)| {
-        (low.min(until.saturating_sub(window)), high.max(from.saturating_add(window)))
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn starts_fit_as_every_window_says() {
-        let mut state = 5_u64;
-        let mut next = |below: u64| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            i64::try_from((state >> 33) % below).unwrap()
-        };
-        for _ in 0..2_000 {
-            let (count, window) = (usize::try_from(next(4) + 1).unwrap(), next(20) + 1);
-            let mut starts: Vec<i64> = Vec::new();
-            for _ in 0..12 {
-                let start = next(40);
-                let mut with = starts.clone();
-                with.push(start);
-                let legal = with.iter().all(|from| {
-                    with.iter().filter(|it| (*from..from + window).contains(*it)).count() <= count
-                });
-                assert_eq!(start_fits(&starts, start, count, window), legal);
-                if legal {
-                    let fits = |starts: &[i64], at| start_fits(starts, at, count, window);
-                    let before: Vec<i64> = (-30..70).filter(|&at| fits(&starts, at)).collect();
-                    starts.push(start);
-                    starts.sort_unstable();
-                    let (low, high) = crowded(&starts, start, (count, window));
-                    for at in before {
-                        assert_eq!(fits(&starts, at), !(low < at && at < high));
-                    }
-                }
-            }
-        }
     }
 }

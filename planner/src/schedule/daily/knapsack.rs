@@ -1,11 +1,11 @@
-//! How much value fits into the time and the places left, overlap ignored.
+//! How much value fits into the time and the places left, overlap ignored: a knapsack bound.
 //!
-//! Method: [`Fill`] is the table of the knapsack with two capacities: time in [`STEPS`] steps (what
-//! a piece takes rounded down, values rounded up, so that the table never falls short) and places
+//! Method: [`Knapsack`] is the dynamic programme's table for two capacities: time in [`STEPS`] steps
+//! (what a piece takes rounded down, values rounded up, so that the table never falls short) and places
 //! for those pieces that are counted. Of the pieces that reach in from before the region at most one
 //! per lane is taken. The table holds the answer for every tail of the list of pieces.
-//! [`promising`] first leaves out pieces that no set worth more than a given value holds, by
-//! Lagrange's relaxation of the same knapsack, so that the table stays small.
+//! [`promising`] first leaves out pieces that no set worth more than a given value holds, by the
+//! Lagrangian relaxation of the same knapsack, so that the table stays small.
 //!
 //! Limits: more than [`MOST_PLACES`] places are not counted, and with more than [`MOST_PIECES`]
 //! pieces there is no table; the answer is then a larger upper bound.
@@ -44,7 +44,7 @@ pub(super) struct Piece {
 
 /// The most value that fits, for every tail of a list of pieces.
 #[derive(Debug, Default)]
-pub(super) struct Fill {
+pub(super) struct Knapsack {
     /// By first piece, then places, then steps.
     table: Vec<u32>,
     /// Length of a step, ns.
@@ -54,7 +54,7 @@ pub(super) struct Fill {
     places: usize,
 }
 
-impl Fill {
+impl Knapsack {
     /// The table of `pieces`, heads of one lane standing together; no `time` is no limit.
     pub(super) fn new(pieces: &[Piece], time: Option<i64>, places: usize) -> Self {
         if pieces.len() > MOST_PIECES {
@@ -63,7 +63,7 @@ impl Fill {
         let (step, steps) = time.map_or((1, 1), |ns| (ns / 240 + 1, STEPS + 1));
         let places = if places > MOST_PLACES { 1 } else { places + 1 };
         let row = steps * places;
-        let mut fill = Self { table: vec![0; row * (pieces.len() + 1)], step, steps, places };
+        let mut knapsack = Self { table: vec![0; row * (pieces.len() + 1)], step, steps, places };
         let mut group_end = pieces.len();
         for (index, piece) in pieces.iter().enumerate().rev() {
             let next = pieces.get(index + 1).map(|piece| piece.kind);
@@ -76,7 +76,7 @@ impl Fill {
                 time.map_or(0, |_| usize::try_from(piece.time / step).unwrap_or(usize::MAX));
             let counts = usize::from(piece.kind == Kind::Counted && places > 1);
             let value = u32::try_from((piece.value >> VALUE_BITS) + 1).unwrap_or(u32::MAX);
-            let (before, after) = fill.table.split_at_mut((index + 1) * row);
+            let (before, after) = knapsack.table.split_at_mut((index + 1) * row);
             let this = &mut before[index * row..];
             this.copy_from_slice(&after[..row]);
             let base = &after[(group_end - index - 1) * row..][..row];
@@ -89,7 +89,7 @@ impl Fill {
                 }
             }
         }
-        fill
+        knapsack
     }
 
     /// The most value that pieces from `first` on add in the time and places left.
@@ -106,7 +106,7 @@ impl Fill {
     }
 }
 
-/// What the relaxation takes at one price of a step of time.
+/// What the Lagrangian relaxation takes at one price of a step of time.
 #[derive(Debug, Clone)]
 struct Relaxed {
     price: i64,
@@ -214,6 +214,7 @@ pub(super) fn promising(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ephem::random::SplitMix64;
 
     /// The best value over all subsets, by trying each.
     fn by_trying(pieces: &[Piece], time: i64, places: usize) -> (i64, u32) {
@@ -243,11 +244,8 @@ mod tests {
 
     #[test]
     fn the_table_and_the_filter_never_fall_short() {
-        let mut state = 9_u64;
-        let mut next = |below: u64| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            i64::try_from((state >> 33) % below).unwrap()
-        };
+        let mut random = SplitMix64(9);
+        let mut next = |below: i64| random.up_to(below - 1);
         let (mut tight, mut dropped) = (0, 0);
         for round in 0..300 {
             let heads = usize::try_from(next(4)).unwrap();
@@ -264,7 +262,7 @@ mod tests {
                 .collect();
             let (time, places) = (next(300) << 34, usize::try_from(next(5)).unwrap());
             let (best, set) = by_trying(&pieces, time, places);
-            let table = Fill::new(&pieces, Some(time), places).most(0, Some(time), places);
+            let table = Knapsack::new(&pieces, Some(time), places).most(0, Some(time), places);
             assert!(table >= best, "round {round}: {table} < {best}");
             tight += i32::from(table - best < best / 1_000);
             let keep = promising(&pieces, Some(time), places, best - 1);
@@ -279,9 +277,9 @@ mod tests {
     #[test]
     fn no_limits_and_no_table_are_told_apart() {
         let piece = Piece { value: 5 << VALUE_BITS, time: 7, kind: Kind::Free };
-        let free = Fill::new(&[piece; 3], None, usize::MAX);
+        let free = Knapsack::new(&[piece; 3], None, usize::MAX);
         assert_eq!(free.most(1, None, usize::MAX), 12 << VALUE_BITS);
         let many = vec![piece; MOST_PIECES + 1];
-        assert_eq!(Fill::new(&many, None, 3).most(0, None, 3), i64::MAX);
+        assert_eq!(Knapsack::new(&many, None, 3).most(0, None, 3), i64::MAX);
     }
 }

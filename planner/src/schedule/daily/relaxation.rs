@@ -1,24 +1,24 @@
-//! Prices from the linear relaxation, solved by `crate::conic`.
+//! Dual prices from the linear relaxation, solved by `crate::conic`.
 //!
 //! Method: maximise `w . x` over `0 <= x <= 1` under one row per maximal clique of overlapping
-//! reserved intervals on a lane, one per day with a limit, and one per sliding window, windows at
-//! most [`MOST_APART`] apart. Long windows are differences of a running number of starts, so that
-//! their rows stay short. Rows are scaled to a right-hand side of about one and
-//! values to at most one. With a day limit, where few sessions can stand, the solver sees only some:
-//! the densest and most valuable of each cell at first, then those whose value exceeds what they
-//! would pay at the prices found, until these hardly matter. The prices hold for all sessions, since
-//! each belongs to an instant, a cell or a window and not to a matrix.
+//! reserved intervals on a lane, one per day with a limit, and one per sliding window (`instants.rs`).
+//! Long windows are differences of a cumulative number of starts, so that their rows stay short. Rows
+//! are scaled to a right-hand side of about one and values to at most one. With a day limit, where few
+//! sessions can stand, columns are generated: the densest and most valuable of each cell at first, then
+//! those of positive reduced value at the prices found, until what is left out can raise the bound by
+//! [`LEFT_OUT`] of it at most. The prices hold for all sessions, since each belongs to an instant, a cell
+//! or a window and not to a matrix.
 //!
 //! Limits: prices are approximate and need not be optimal; nothing relies on them but the quality
 //! of bound and schedule. Where the solver fails, the prices of the round before stay, or none.
 
 use super::bound::priced;
-use super::model::Model;
-use super::price::{Ladder, Prices};
 use crate::conic::{Cone, Conic, Solution};
 use crate::program::number::{f64_from_i64, f64_from_i128, i64_from_usize};
+use crate::schedule::instants::{MOST_APART, WINDOWS, cliques, window_starts};
+use crate::schedule::model::Model;
+use crate::schedule::price::{Ladder, Prices};
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// One unit of the relaxation's objective, in units of value.
 const UNIT: f64 = 1_099_511_627_776.0;
@@ -28,23 +28,19 @@ const ROUNDS: usize = 6;
 const LEFT_OUT: f64 = 1e-2;
 /// The densest sessions of each cell that the first round sees, and the most valuable.
 const FIRST: (usize, usize) = (12, 4);
-/// Windows with a row in the length of a window, at least.
-const WINDOWS: i64 = 24;
-/// Windows with a row stand at most this far apart, ns.
-const MOST_APART: i64 = 10_800_000_000_000;
 /// Tolerance with a day limit, where a sharper bound follows, and without.
 const TOLERANCE: (f64, f64) = (1e-4, 1e-7);
 /// Most iterations of the solver.
 const ITERATIONS: u32 = 100;
 
-/// Prices, and the share of each session in the relaxed schedule.
+/// Dual prices, and the share of each session in the relaxed schedule.
 #[derive(Debug)]
-pub(super) struct Relaxed {
-    pub(super) prices: Prices,
+pub(crate) struct Relaxed {
+    pub(crate) prices: Prices,
     /// In [0, 1] up to the solver's tolerance, per session.
-    pub(super) shares: Vec<f64>,
+    pub(crate) shares: Vec<f64>,
     /// The solver reached its tolerances.
-    pub(super) solved: bool,
+    pub(crate) solved: bool,
 }
 
 impl Relaxed {
@@ -61,7 +57,7 @@ impl Relaxed {
 }
 
 /// Prices and shares from the linear relaxation.
-pub(super) fn solve(model: &Model) -> Relaxed {
+pub(crate) fn solve(model: &Model) -> Relaxed {
     let total = model.sessions.len();
     let mut relaxed =
         Relaxed { prices: Prices::none(model), shares: vec![0.0; total], solved: total == 0 };
@@ -122,7 +118,7 @@ fn first_sessions(model: &Model) -> Vec<bool> {
 
 /// The rows of a relaxation, and the place of the price that each row's dual goes to.
 ///
-/// First the equalities that define the running number of starts, then the limits.
+/// First the equalities that define the cumulative number of starts, then the limits.
 struct Rows {
     /// First instants of the windows, ascending.
     windows: Vec<i64>,
@@ -205,7 +201,7 @@ impl Rows {
         entries
     }
 
-    /// Rows and coefficients of the running number y of starts at each mark but the first, where it
+    /// Rows and coefficients of the cumulative number y of starts at each mark but the first, where it
     /// is zero: `y[k + 1] - y[k] - starts between = 0`, `(y[end] - y[start]) / count <= 1`.
     fn of_marks(&self, model: &Model) -> Vec<Vec<(usize, f64)>> {
         let mut entries = vec![Vec::new(); self.marks.len()];
@@ -248,48 +244,6 @@ impl Rows {
         }
         prices
     }
-}
-
-/// One instant in each maximal set of sessions that overlap; sessions come by start.
-///
-/// A set is maximal where a session ends before the next one starts.
-pub(super) fn cliques(model: &Model, ids: impl Iterator<Item = usize>) -> Vec<i64> {
-    let mut points = Vec::new();
-    let mut ends: BinaryHeap<Reverse<i64>> = BinaryHeap::new();
-    let mut last = None;
-    for id in ids {
-        let session = &model.sessions[id];
-        let ended =
-            |ends: &BinaryHeap<Reverse<i64>>| ends.peek().is_some_and(|end| end.0 <= session.start);
-        if ended(&ends) {
-            points.extend(last);
-        }
-        while ended(&ends) {
-            ends.pop();
-        }
-        ends.push(Reverse(session.end));
-        last = Some(session.start);
-    }
-    points.extend(last);
-    points
-}
-
-/// First instants of the windows that get a row.
-pub(super) fn window_starts(model: &Model, ids: &[usize]) -> Vec<i64> {
-    let Some((count, window)) = model.count else { return Vec::new() };
-    let apart = (window / WINDOWS).min(MOST_APART);
-    let mut points: Vec<i64> = Vec::new();
-    for (place, &id) in ids.iter().enumerate() {
-        let start = model.sessions[id].start;
-        let next = points.last().is_none_or(|&last| start.saturating_sub(last) >= apart);
-        let crowded = ids
-            .get(place.saturating_add(count))
-            .is_some_and(|&other| model.sessions[other].start < start.saturating_add(window));
-        if next && crowded && points.last() != Some(&start) {
-            points.push(start);
-        }
-    }
-    points
 }
 
 /// Prices and shares with only the sessions `ids`, by start; `None` where the solver fails.

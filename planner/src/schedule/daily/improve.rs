@@ -1,20 +1,20 @@
-//! A schedule from the relaxation, and exchanges until none helps.
+//! A schedule by rounding the relaxation, and local search over spans of a few days.
 //!
 //! Method: [`round`] takes sessions in order of their relaxed share in steps of 1e-4, then by value
 //! per reserved time, then by position: ties fall the same way every time. [`improve`] slides a span
 //! of one and a half cells over the mission by a quarter of a cell; all sessions that start inside are
-//! taken out, and the best set given all that stands outside, found by exact search, is put in.
-//! Passes repeat until one changes nothing; only spans that a change can be felt in are searched again.
+//! removed, and the best set given all that stands outside, found by exact search, is put in.
+//! Passes repeat until one changes nothing; only spans that a change can affect are searched again.
 //!
 //! Limits: at most the given number of passes, and [`NODES`] nodes per search.
 
-use super::draft::Draft;
-use super::model::Model;
-use super::price::Prices;
 use super::relaxation::Relaxed;
 use super::search::{Effort, Item, Region, search};
-use super::{Stop, asked};
 use crate::program::number::{f64_from_i64, i64_from_f64, i64_from_usize};
+use crate::progress::Progress;
+use crate::schedule::draft::Draft;
+use crate::schedule::model::Model;
+use crate::schedule::price::Prices;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -92,14 +92,15 @@ fn fill_up(draft: &mut Draft<'_>, model: &Model, rank: impl Fn(usize) -> i64) {
     }
 }
 
-/// Exchanges sessions in at most `passes` passes, until asked to stop; true if nothing within a span helps any more.
+/// Exchanges sessions in at most `passes` passes, until asked to stop; true if nothing within a span
+/// helps any more.
 ///
 /// Nothing more fits into the result.
 pub(super) fn improve(
     draft: &mut Draft<'_>,
     model: &Model,
     priced: &Priced<'_>,
-    (passes, stop): (usize, Stop<'_>),
+    (passes, progress): (usize, &dyn Progress),
 ) -> bool {
     fill_up(draft, model, |_| 0);
     let (Some(&first), Some(&last)) = (model.cells.first(), model.cells.last()) else {
@@ -109,7 +110,7 @@ pub(super) fn improve(
     for _ in 0..passes {
         let mut changed = false;
         for place in 0..spans.stale.len() {
-            if asked(stop) {
+            if progress.stopped() {
                 return false;
             }
             if std::mem::take(&mut spans.stale[place]) {

@@ -1,14 +1,15 @@
-//! No schedule is worth more than this, from prices.
+//! A bound on every schedule from dual prices: weak duality in integers.
 //!
 //! Method: for prices z >= 0 of inequalities `A x <= b` that every schedule meets, no schedule is
 //! worth more than `b . z + sum_i max(0, w_i - (A^T z)_i)`. Everything is an integer number of
 //! units: values are rounded up, what a session pays is rounded down and what capacity is worth is
 //! rounded up, so rounding can only raise the bound, and no property of the solver matters.
 //!
-//! Limits: the bound of the linear relaxation at best; `split.rs` goes below it.
+//! Limits: the bound of the linear relaxation at best; the Lagrangian dual (`lagrangian.rs`) goes below
+//! it.
 
-use super::model::Model;
-use super::price::Prices;
+use crate::schedule::model::Model;
+use crate::schedule::price::Prices;
 
 /// `b . z + sum_i max(0, w_i - (A^T z)_i)` in units.
 pub(super) fn priced(model: &Model, prices: &Prices) -> i128 {

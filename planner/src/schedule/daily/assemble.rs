@@ -1,19 +1,20 @@
-//! A schedule from sets of sessions, one per cell, so that they fit together.
+//! A schedule from sets of sessions, one per cell, by beam search from cell to cell.
 //!
-//! Method: a beam search from cell to cell. A state is what the next cells can see of the choices
-//! made: sessions that reach into them, and the latest starts. [`assemble`] extends each state by
-//! every pattern of the cell, without what does not fit, and by the best sets for what the state
-//! leaves, found by exact search. States are ranked by what their sessions have earned so far
-//! (`split.rs`), which already holds back what a session owes to later cells; alike states are kept
-//! once. [`splice`] uses the patterns of given schedules only, and so looks for the best mixture.
+//! Method: a state is what the next cells can see of the choices made: sessions that reach into them,
+//! and the latest starts. [`assemble`] extends each state by every pattern of the cell, without what does
+//! not fit, and by the best sets for what the state leaves, found by exact search. States are ranked by
+//! what their sessions have earned so far (`split.rs`), which already holds back what a session owes to
+//! later cells; of equal states one is kept. [`splice`] uses the patterns of given schedules only, and so
+//! looks for their best recombination.
 //!
 //! Limits: the beam keeps [`STATES`] states, or [`MIXED`] in splicing.
 
-use super::draft::Draft;
-use super::model::Model;
-use super::search::{Effort, Item, Region, search, start_fits};
+use super::search::{Effort, Item, Region, search};
 use super::split::Split;
+use super::starts::start_fits;
 use crate::program::number::i64_from_f64;
+use crate::schedule::draft::Draft;
+use crate::schedule::model::Model;
 use rayon::prelude::*;
 
 /// Most states kept in assembling, and of them with the same sessions reaching on.

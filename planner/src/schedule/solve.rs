@@ -1,0 +1,324 @@
+//! The schedule under all rules: the search by days where it is sharp, the integer programme for
+//! everything.
+//!
+//! Method: over many sessions the search by days (`daily/`) gives a schedule under overlap, days and
+//! windows of starts, and a bound; leaving rules out and charges away only raises a bound, so it holds
+//! under all rules. The integer programme (`joint/`, `crate::program`) starts from that schedule, knows
+//! every rule, and gives a second bound; the lower of the two counts. Without demands both see the same
+//! rules, and what the programme found is improved by days and by the programme once more: they exchange
+//! different sets, so each gets the other out of its local optimum. Demands that cannot be met are
+//! explained by `infeasible.rs`.
+//!
+//! Limits: as both methods; the logarithmic objective has the programme alone.
+
+use super::check::check;
+use super::daily::{self, Days, Relaxed, improved};
+use super::demands::Demands;
+use super::draft::Draft;
+use super::error::ScheduleError;
+use super::explain;
+use super::infeasible;
+use super::joint::{Built, Facts, build};
+use super::model::Model;
+use super::problem::Problem;
+use super::reason::Because;
+use super::solution::{Schedule, Stopped};
+use super::usage;
+use super::worth;
+use crate::program::number::f64_from_i128;
+use crate::program::{
+    self, Aids, Ended, Family, Limits, Outcome, Program, charged, grow, relax, solve_from,
+};
+use crate::progress::{Progress, Quietly, StopOnly};
+use std::collections::BTreeMap;
+
+/// Up to so many sessions the programme works alone.
+const FEW: usize = 60;
+/// Limits of the programme beside the search by days.
+const BESIDE: Limits =
+    Limits { nodes: 20_000, work: 8_000_000_000, cut_rounds: 4, passes: 1, exchange_nodes: 60 };
+/// The same above so many sessions, where it hardly does more than exchange.
+const MANY: usize = 6_000;
+const FEWER: Limits = Limits { cut_rounds: 0, exchange_nodes: 12, ..BESIDE };
+/// Demands join the days, so that only the programme knows what they cost: up to so many sessions it
+/// does more.
+const STILL_TOGETHER: usize = 15_000;
+const TOGETHER: Limits =
+    Limits { nodes: 20_000, work: 15_000_000_000, cut_rounds: 10, passes: 3, exchange_nodes: 60 };
+/// Most numbers touched where the programme works alone.
+const ALONE_WORK: usize = 15_000_000_000;
+
+/// Rounds of rows of families before the search.
+const ROW_ROUNDS: usize = 8;
+
+/// Finds a good schedule and a bound on all schedules.
+///
+/// # Errors
+/// [`ScheduleError`] when the problem is not well posed, or its rules contradict each other.
+pub fn schedule(problem: &Problem) -> Result<Schedule, ScheduleError> {
+    schedule_until(problem, &Quietly)
+}
+
+/// As [`schedule`], watched: told the steps of the search, which follow each other, and asked whether to
+/// end it. Then the best schedule so far is returned, its bound still safe. Asked between steps of the
+/// search, and not while a relaxation is solved.
+///
+/// # Errors
+/// As [`schedule`]; [`ScheduleError::NotFound`] where nothing was found in time.
+pub fn schedule_until(
+    problem: &Problem,
+    progress: &dyn Progress,
+) -> Result<Schedule, ScheduleError> {
+    problem.validate()?;
+    let (model, screened) = Model::new(problem);
+    let facts = Facts::new(problem, &model);
+    let mut built = build(problem, &model, &facts);
+    let relaxed = daily::relax(&model);
+    let regime = Regime::of(&problem.demands, model.sessions.len());
+    let prepared = Prepared::new(&mut built, &relaxed, regime, progress);
+    let search = Search::new(&built, &prepared, regime, progress);
+    let found = search.run(&relaxed)?;
+    search.report((&found, &relaxed), screened)
+}
+
+/// Which searches a problem gets.
+#[derive(Debug, Clone, Copy)]
+struct Regime {
+    /// More than [`MANY`] sessions.
+    many: bool,
+    /// There is a search by days.
+    by_days: bool,
+    /// Demands join the days, and the programme can do more about them.
+    together: bool,
+    /// The search by days is missing, or does not know all rules.
+    alone: bool,
+}
+
+impl Regime {
+    fn of(demands: &Demands, sessions: usize) -> Self {
+        let by_days = demands.log.is_none() && sessions > FEW;
+        Self {
+            many: sessions > MANY,
+            by_days,
+            together: !demands.is_empty() && sessions <= STILL_TOGETHER,
+            alone: !by_days || !demands.is_empty(),
+        }
+    }
+
+    /// Limits of the programme's search.
+    fn limits(self) -> Limits {
+        match (self.many, self.alone) {
+            (true, _) if self.together => TOGETHER,
+            (true, _) => FEWER,
+            (false, false) => BESIDE,
+            (false, true) => Limits { work: ALONE_WORK, ..Limits::default() },
+        }
+    }
+}
+
+/// What is known before the programme is searched.
+struct Prepared {
+    days: Option<Days>,
+    /// Candidates and bound of a search by days, further rules dualised.
+    charged: Option<(Vec<usize>, i128)>,
+    /// The programme's relaxation, where it is solved already.
+    ready: Option<program::Relaxed>,
+}
+
+impl Prepared {
+    /// The search by days, and beside it the programme's relaxation with rows of its families, which may
+    /// give a second search by days; the programme keeps the rows.
+    fn new(
+        built: &mut Built<'_>,
+        relaxed: &Relaxed,
+        regime: Regime,
+        progress: &dyn Progress,
+    ) -> Self {
+        let (problem, model) = (built.problem, built.model);
+        let own_rows = built.program.rows.len();
+        let families: Vec<&dyn Family> = built.families.iter().map(AsRef::as_ref).collect();
+        let (program, offset, further) = (&mut built.program, built.offset, built.further);
+        // Clarabel works alone meanwhile.
+        let (days, (charged, (ready, grown))) = rayon::join(
+            || regime.by_days.then(|| Days::new(problem, (model, relaxed), progress)),
+            || {
+                if regime.by_days && regime.together {
+                    let (ready, grown) = grow(program, &families, (ROW_ROUNDS, offset));
+                    let charged = ready.as_ref().map(|ready| charged(program, ready, further));
+                    let quiet = StopOnly(progress);
+                    (charged.and_then(|it| Days::charged(model, &it, &quiet)), (ready, grown))
+                } else if regime.many {
+                    (None, (relax(program, &relaxed.shares), Vec::new()))
+                } else {
+                    (None, (None, Vec::new()))
+                }
+            },
+        );
+        built.rules.resize(built.program.rows.len(), None);
+        built.grown = (own_rows..).zip(grown).collect();
+        Self { days, charged, ready }
+    }
+}
+
+/// The search of the programme, and what it starts from.
+struct Search<'s> {
+    built: &'s Built<'s>,
+    prepared: &'s Prepared,
+    regime: Regime,
+    families: Vec<&'s dyn Family>,
+    /// The session of each candidate that could stand.
+    sessions: BTreeMap<usize, usize>,
+    progress: &'s dyn Progress,
+}
+
+impl<'s> Search<'s> {
+    fn new(
+        built: &'s Built<'s>,
+        prepared: &'s Prepared,
+        regime: Regime,
+        progress: &'s dyn Progress,
+    ) -> Self {
+        let sessions = built.model.sessions.iter().enumerate();
+        Self {
+            built,
+            prepared,
+            regime,
+            families: built.families.iter().map(AsRef::as_ref).collect(),
+            sessions: sessions.map(|(id, it)| (it.candidate, id)).collect(),
+            progress,
+        }
+    }
+
+    /// The best set of the programme that meets every rule.
+    fn run(&self, relaxed: &Relaxed) -> Result<Outcome, ScheduleError> {
+        let demands = &self.built.problem.demands;
+        let lacking = demands.fixed.iter().any(|it| !self.sessions.contains_key(it));
+        let mut found = if lacking { None } else { self.first(relaxed) };
+        let demanding = infeasible::is_demanding(demands);
+        if !self.meets(found.as_ref()) && (demanding || found.is_none()) {
+            found = Some(self.with_demands_met()?);
+        }
+        found.ok_or(ScheduleError::NotFound)
+    }
+
+    /// The programme from the best start that is known, and improved by days where both see the same
+    /// rules.
+    fn first(&self, relaxed: &Relaxed) -> Option<Outcome> {
+        let ready = self.prepared.ready.clone();
+        let program = &self.built.program;
+        let mut found = self.attempt((program, &self.regime.limits()), &self.start(), ready)?;
+        if self.regime.alone || found.ended != Ended::Work {
+            return Some(found);
+        }
+        let model = self.built.model;
+        let taken = found.taken.as_ref();
+        let better = taken.and_then(|taken| improved(model, relaxed, taken, self.progress));
+        let again = better
+            .and_then(|start| self.attempt((program, &FEWER), &start, self.prepared.ready.clone()));
+        if let Some(again) = again.filter(|it| it.value > found.value) {
+            (found.taken, found.value) = (again.taken, again.value);
+        }
+        if self.progress.stopped() {
+            found.ended = Ended::Stopped;
+        }
+        Some(found)
+    }
+
+    /// The programme with all demands as rows, or the proof that they contradict each other.
+    fn with_demands_met(&self) -> Result<Outcome, ScheduleError> {
+        let met = infeasible::find(self.built.problem).map_err(ScheduleError::Infeasible)?;
+        let start = self.sessions_of(&met.ok_or(ScheduleError::NotFound)?);
+        // They can be met, so nothing else may outweigh them.
+        let strict = self.built.with_seasons_met();
+        let found = self.attempt((&strict, &self.regime.limits()), &start, None);
+        found.filter(|found| self.meets(Some(found))).ok_or(ScheduleError::NotFound)
+    }
+
+    fn attempt(
+        &self,
+        (program, limits): (&Program, &Limits),
+        start: &[usize],
+        ready: Option<program::Relaxed>,
+    ) -> Option<Outcome> {
+        let (families, progress) = (&self.families, self.progress);
+        let aids = Aids { families, start, bound: self.known(), progress };
+        solve_from(program, limits, &aids, ready).ok()
+    }
+
+    /// The earlier plan, else a schedule by days.
+    fn start(&self) -> Vec<usize> {
+        let previous = self.built.problem.demands.previous.as_ref().map(|it| &it.sessions);
+        let charged = self.prepared.charged.as_ref().map(|it| &it.0);
+        let days = self.prepared.days.as_ref().map(|it| &it.chosen);
+        let start = previous.or(charged).or(days);
+        start.map(|candidates| self.sessions_of(candidates)).unwrap_or_default()
+    }
+
+    /// The least bound by days, in the programme's units.
+    fn known(&self) -> Option<i128> {
+        let units = self.prepared.days.as_ref().and_then(|it| it.units);
+        let plain = units.map(|bound| bound + self.built.offset);
+        plain.into_iter().chain(self.prepared.charged.as_ref().map(|it| it.1)).min()
+    }
+
+    /// Sessions of candidates, where they could stand.
+    fn sessions_of(&self, candidates: &[usize]) -> Vec<usize> {
+        candidates.iter().filter_map(|it| self.sessions.get(it).copied()).collect()
+    }
+
+    /// Whether there is a set, and it meets every rule.
+    fn meets(&self, found: Option<&Outcome>) -> bool {
+        let taken = found.and_then(|it| it.taken.as_ref());
+        let (problem, model) = (self.built.problem, self.built.model);
+        taken.is_some_and(|taken| check(problem, &model.candidates(taken)).is_ok())
+    }
+
+    /// The schedule with its numbers, reasons and prices, checked.
+    fn report(
+        &self,
+        (found, relaxed): (&Outcome, &Relaxed),
+        screened: Vec<Option<Because>>,
+    ) -> Result<Schedule, ScheduleError> {
+        let (built, model) = (self.built, self.built.model);
+        let taken = found.taken.clone().ok_or(ScheduleError::NotFound)?;
+        let chosen = model.candidates(&taken);
+        check(built.problem, &chosen).map_err(ScheduleError::Unsound)?;
+        let mut draft = Draft::new(model);
+        for &id in &taken {
+            draft.add(id);
+        }
+        let objective = worth::objective(built, &taken);
+        let units = found.bound - built.offset;
+        let mut upper_bound = value_above(units, built);
+        if let Some(days) = &self.prepared.days {
+            upper_bound = upper_bound.min(days.bound);
+        }
+        let upper_bound = upper_bound.max(objective);
+        let gap = (upper_bound - objective) / upper_bound.abs();
+        let stopped = match found.ended {
+            Ended::Stopped => Stopped::Interrupted,
+            Ended::Proven => Stopped::Optimal,
+            Ended::Work if units - (found.value - built.offset) <= 0 => Stopped::Optimal,
+            Ended::Work if gap <= 1e-5 => Stopped::Close,
+            Ended::Work => Stopped::WorkLimit,
+        };
+        let mut constraints = usage::first(model, &draft, &relaxed.prices);
+        constraints.extend(usage::further(built, found, draft.marks()));
+        Ok(Schedule {
+            chosen,
+            objective,
+            upper_bound,
+            gap: if upper_bound.abs() > 0.0 { gap } else { 0.0 },
+            stopped,
+            rejected: explain::rejected(built, &draft, screened),
+            constraints,
+            changes: worth::changes(built, &taken),
+        })
+    }
+}
+
+/// Units as a value, rounded up.
+fn value_above(units: i128, built: &Built<'_>) -> f64 {
+    let value = built.value(f64_from_i128(units));
+    value + 4.0 * f64::EPSILON * value.abs()
+}
