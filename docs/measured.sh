@@ -314,7 +314,7 @@ claim docs/resonance.md "bound {}% above the floor; on DE440's orbit {}%" rounde
 claim docs/resonance.md "LiteBIRD's box is {}% above the floor of three years" rounded excess --duration 1095.75d
 claim docs/resonance.md '| 192.348 | {} / 4.717 | {} / 8.053 | {} / 6.020 | {} / 2.539 | {} / 3.890 | {} / 2.759 |' rounded crosslinks
 
-claim docs/survey.md 'N_side 256 is {} for the standard angles and {} for alpha = beta = 47.5 deg, a ratio of {}' rounded sigmas
+claim docs/survey.md 'spin phase of 180 deg, is {} for the standard angles and {} for alpha = beta = 47.5 deg, a ratio of {}' rounded sigmas
 claim docs/survey.md '{} deg for LiteBIRD at 20 min' rounded scan_beam
 
 claim docs/validation/2026-11-22.md '{} min; {} at alpha 10, beta 85; {} at alpha 85, beta 10' rounded shortest_spins
