@@ -121,6 +121,18 @@ interpolation() {
     number attitude 'samples every' 2
 }
 
+# The attitude of two weeks, in MB.
+fortnight() {
+    run fortnight plan --duration 14d --out "$work/fortnight-plan"
+    over "$(wc -c <"$work/fortnight-plan/attitude.aem")" 1e6
+}
+
+coarser_is_a_quarter() {
+    run coarser plan --duration 14d --out "$work/coarser-plan" --aem-error-arcsec 20
+    over "$(wc -c <"$work/coarser-plan/attitude.aem")" "$(fortnight)" |
+        awk '{ exit !($1 > 0.2e6 && $1 < 0.3e6) }'
+}
+
 # What ten more minutes a day bring: to the objective, and to Jupiter.
 ten_minutes() {
     three_years
@@ -306,6 +318,8 @@ claim docs/outputs.md '`pointing-periods.csv` {} MB' rounded size pointing-perio
 claim docs/outputs.md '`timeline.ics` {} MB' rounded size timeline.ics 1e6
 claim docs/outputs.md '`timeline.parquet` {} MB' rounded size timeline.parquet 1e6
 claim docs/outputs.md '`sessions.int` {} MB' rounded size sessions.int 1e6
+claim docs/outputs.md '`--aem-error-arcsec 20` writes a quarter' rounded coarser_is_a_quarter
+claim docs/outputs.md 'two weeks writes an AEM of {} MB' rounded fortnight
 
 claim docs/onboard.md '{} KiB for the Sun and five planets' rounded table_kib
 
