@@ -13,67 +13,92 @@
 use crate::attitude::Motion;
 use crate::degrees;
 use crate::error::WriteError;
-use crate::rows::{self, Format, Layout};
+use crate::rows::Field::{Count, Number, Tdb, Utc, Whole, Word};
+use crate::rows::{self, Column, Format, Layout};
 use crate::timeline::{Session, Timeline};
-use ephem::time::{format_tdb, format_utc};
+use onboard_core::direction::Direction;
+use onboard_core::frame::Ecliptic;
+use onboard_core::phase::{Phase, Rotor};
+use onboard_core::scan::ScanParameters;
 use onboard_core::time::Instant;
 use planner::world::TableFault;
-use serde::Serialize;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::io::Write;
 
-const COLUMNS: [&str; 23] = [
-    "period",
-    "mode",
-    "start_utc",
-    "end_utc",
-    "start_tdb",
-    "end_tdb",
-    "start_tai_ns",
-    "end_tai_ns",
-    "duration_s",
-    "sessions",
-    "targets",
-    "telescopes",
-    "alpha_deg",
-    "beta_deg",
-    "precession_period_s",
-    "spin_period_s",
-    "precession_phase_deg",
-    "spin_phase_deg",
-    "scan_axis_start_longitude_deg",
-    "scan_axis_start_latitude_deg",
-    "scan_axis_end_longitude_deg",
-    "scan_axis_end_latitude_deg",
-    "sun_start_longitude_deg",
-];
+/// A period, and how the telescope scans in it.
+struct Row<'t> {
+    number: u64,
+    start: Instant,
+    end: Instant,
+    /// The sessions that run.
+    running: Vec<&'t Session>,
+    parameters: ScanParameters,
+    /// Precession and spin at the start.
+    phases: (Phase, Phase),
+    /// The anti-Sun direction at start and end.
+    axis: [Direction<Ecliptic>; 2],
+}
 
-#[derive(Serialize)]
-struct Row {
-    period: usize,
-    mode: &'static str,
-    start_utc: String,
-    end_utc: String,
-    start_tdb: String,
-    end_tdb: String,
-    start_tai_ns: i64,
-    end_tai_ns: i64,
-    duration_s: f64,
-    sessions: String,
-    targets: String,
-    telescopes: String,
-    alpha_deg: f64,
-    beta_deg: f64,
-    precession_period_s: f64,
-    spin_period_s: f64,
-    precession_phase_deg: f64,
-    spin_phase_deg: f64,
-    scan_axis_start_longitude_deg: f64,
-    scan_axis_start_latitude_deg: f64,
-    scan_axis_end_longitude_deg: f64,
-    scan_axis_end_latitude_deg: f64,
-    sun_start_longitude_deg: f64,
+fn columns<'t>() -> [Column<Row<'t>>; 23] {
+    [
+        Column::new("period", Count(|it| Some(it.number))),
+        Column::new("mode", Word(|it| Some(it.mode().into()))),
+        Column::new("start_utc", Utc(|it| it.start)),
+        Column::new("end_utc", Utc(|it| it.end)),
+        Column::new("start_tdb", Tdb(|it| it.start)),
+        Column::new("end_tdb", Tdb(|it| it.end)),
+        Column::new("start_tai_ns", Whole(|it| Some(it.start.tai_ns()))),
+        Column::new("end_tai_ns", Whole(|it| Some(it.end.tai_ns()))),
+        Column::new("duration_s", Number(|it| Some(it.end.since(it.start).seconds()))),
+        Column::new("sessions", Word(|it| Some(it.joined(|it| &it.id)))),
+        Column::new("targets", Word(|it| Some(it.joined(|it| &it.target)))),
+        Column::new("telescopes", Word(|it| Some(it.joined(|it| &it.telescope)))),
+        Column::new("alpha_deg", Number(|it| Some(it.parameters.alpha_rad.to_degrees()))),
+        Column::new("beta_deg", Number(|it| Some(it.parameters.beta_rad.to_degrees()))),
+        Column::new("precession_period_s", Number(|it| Some(period_s(it.parameters.precession)))),
+        Column::new("spin_period_s", Number(|it| Some(period_s(it.parameters.spin)))),
+        Column::new(
+            "precession_phase_deg",
+            Number(|it| Some(degrees::positive(it.phases.0.radians()))),
+        ),
+        Column::new("spin_phase_deg", Number(|it| Some(degrees::positive(it.phases.1.radians())))),
+        Column::new(
+            "scan_axis_start_longitude_deg",
+            Number(|it| Some(degrees::positive(it.axis[0].longitude_rad()))),
+        ),
+        Column::new(
+            "scan_axis_start_latitude_deg",
+            Number(|it| Some(it.axis[0].latitude_rad().to_degrees())),
+        ),
+        Column::new(
+            "scan_axis_end_longitude_deg",
+            Number(|it| Some(degrees::positive(it.axis[1].longitude_rad()))),
+        ),
+        Column::new(
+            "scan_axis_end_latitude_deg",
+            Number(|it| Some(it.axis[1].latitude_rad().to_degrees())),
+        ),
+        Column::new(
+            "sun_start_longitude_deg",
+            Number(|it| Some(degrees::positive(it.axis[0].longitude_rad() + PI))),
+        ),
+    ]
+}
+
+impl Row<'_> {
+    fn mode(&self) -> &'static str {
+        if self.running.is_empty() { "survey" } else { "calibration" }
+    }
+
+    fn joined(&self, pick: impl Fn(&Session) -> &str) -> Cow<'_, str> {
+        self.running.iter().map(|it| pick(it)).collect::<Vec<_>>().join(";").into()
+    }
+}
+
+fn period_s(rotor: Rotor) -> f64 {
+    TAU / rotor.rate.radians_per_second()
 }
 
 /// Writes the list as CSV.
@@ -91,7 +116,8 @@ pub fn write(
         .iter()
         .enumerate()
         .map(|(index, period)| row(index + 1, period, &timeline.sessions, motion));
-    let layout = Layout { format: Format::Csv, provenance: &timeline.provenance, header: &COLUMNS };
+    let (format, provenance) = (Format::Csv, &timeline.provenance);
+    let layout = Layout { format, provenance, columns: &columns() };
     rows::write(out, rows, &layout).map(|_| ())
 }
 
@@ -129,47 +155,24 @@ fn periods(sessions: &[Session], (start, end): (Instant, Instant)) -> Vec<Period
     periods
 }
 
-fn row(
+fn row<'t>(
     number: usize,
     (start, end, running): &Period,
-    sessions: &[Session],
+    sessions: &'t [Session],
     motion: &Motion<'_>,
-) -> Result<Row, TableFault> {
-    let running: Vec<&Session> = running.iter().map(|&index| &sessions[index]).collect();
-    let joined = |pick: &dyn Fn(&Session) -> &str| {
-        running.iter().map(|it| pick(it)).collect::<Vec<_>>().join(";")
-    };
-    let parameters = motion.scan.parameters();
+) -> Result<Row<'t>, TableFault> {
+    let parameters = *motion.scan.parameters();
     let axis = |at: Instant| {
         let state = motion.sun.state(parameters.start, at);
         state.map(|it| it.direction).map_err(TableFault)
     };
-    let (first, last) = (axis(*start)?, axis(*end)?);
-    let (precession, spin) = motion.scan.phases(*start);
-    let period_s = |rate: f64| TAU / rate;
     Ok(Row {
-        period: number,
-        mode: if running.is_empty() { "survey" } else { "calibration" },
-        start_utc: format_utc(*start),
-        end_utc: format_utc(*end),
-        start_tdb: format_tdb(*start),
-        end_tdb: format_tdb(*end),
-        start_tai_ns: start.tai_ns(),
-        end_tai_ns: end.tai_ns(),
-        duration_s: end.since(*start).seconds(),
-        sessions: joined(&|it| &it.id),
-        targets: joined(&|it| &it.target),
-        telescopes: joined(&|it| &it.telescope),
-        alpha_deg: parameters.alpha_rad.to_degrees(),
-        beta_deg: parameters.beta_rad.to_degrees(),
-        precession_period_s: period_s(parameters.precession.rate.radians_per_second()),
-        spin_period_s: period_s(parameters.spin.rate.radians_per_second()),
-        precession_phase_deg: degrees::positive(precession.radians()),
-        spin_phase_deg: degrees::positive(spin.radians()),
-        scan_axis_start_longitude_deg: degrees::positive(first.longitude_rad()),
-        scan_axis_start_latitude_deg: first.latitude_rad().to_degrees(),
-        scan_axis_end_longitude_deg: degrees::positive(last.longitude_rad()),
-        scan_axis_end_latitude_deg: last.latitude_rad().to_degrees(),
-        sun_start_longitude_deg: degrees::positive(first.longitude_rad() + std::f64::consts::PI),
+        number: u64::try_from(number).unwrap_or(u64::MAX),
+        start: *start,
+        end: *end,
+        running: running.iter().map(|&index| &sessions[index]).collect(),
+        parameters,
+        phases: motion.scan.phases(*start),
+        axis: [axis(*start)?, axis(*end)?],
     })
 }

@@ -17,7 +17,7 @@ use crate::cli::{Cli, Format, SharedArgs, Verb};
 use crate::failure::Failure;
 use crate::output::{Sink, to_stdout};
 use clap::CommandFactory;
-use formats::rows::{self, Layout};
+use formats::rows::{self, Column, Layout};
 use mission::Mission;
 use planner::provenance::Provenance;
 use planner::world::World;
@@ -82,19 +82,29 @@ fn sink(shared: &SharedArgs) -> Sink {
 
 /// Rows go to `--out` or standard output; with `--json` a summary goes to standard output, and rows
 /// only to a file.
-fn deliver<R: Serialize, S: Serialize>(
+fn deliver<R, S: Serialize>(
     shared: &SharedArgs,
     rows: impl Iterator<Item = Result<R, Failure>>,
-    (provenance, header): (&Provenance, &[&str]),
+    (provenance, columns): (&Provenance, &[Column<R>]),
     summary: impl FnOnce() -> Result<S, Failure>,
 ) -> Result<(), Failure> {
     let sink = sink(shared);
     if !(shared.json && sink == Sink::Stdout) {
-        let layout =
-            Layout { format: shared.format.unwrap_or(Format::Csv).of_rows()?, provenance, header };
+        let format = shared.format.unwrap_or(Format::Csv).of_rows()?;
+        let layout = Layout { format, provenance, columns };
         sink.write_with(|out| rows::write(out, rows, &layout))?;
     }
     if shared.json { print_json(&summary()?) } else { Ok(()) }
+}
+
+/// Which ends of a span in view are the mission's own.
+const fn clipped(entry: bool, exit: bool) -> &'static str {
+    match (entry, exit) {
+        (false, false) => "",
+        (true, false) => "entry",
+        (false, true) => "exit",
+        (true, true) => "both",
+    }
 }
 
 /// An object on standard output, one line.

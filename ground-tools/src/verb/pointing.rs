@@ -6,57 +6,58 @@ use crate::cli::{Format, PointingArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
 use crate::output::stamp::stamp;
-use ephem::time::format_tdb;
 use formats::attitude::{Attitudes, Motion, Span};
 use formats::attitude::{BodyFrame, Message, Notation};
 use formats::degrees;
-use onboard_core::attitude::sweep;
+use formats::rows::Column;
+use formats::rows::Field::{Number, Tdb, Whole};
+use onboard_core::attitude::{Sweep, sweep};
 use onboard_core::hwp::hwp_phase;
+use onboard_core::phase::Phase;
 use onboard_core::sun::SunModel;
-use onboard_core::time::Duration;
+use onboard_core::time::{Duration, Instant};
 use planner::opportunities::{NONE, SightLine, select};
 use planner::provenance::Provenance;
 use planner::world::TableFault;
 use planner::world::World;
 use serde::Serialize;
 
-const COLUMNS: [&str; 16] = [
-    "elapsed_s",
-    "time_tdb",
-    "tai_ns",
-    "q_x",
-    "q_y",
-    "q_z",
-    "q_w",
-    "x",
-    "y",
-    "z",
-    "longitude_deg",
-    "latitude_deg",
-    "psi_deg",
-    "hwp_deg",
-    "scan_speed_deg_s",
-    "scan_beam_angle_deg",
-];
-
-#[derive(Serialize)]
+/// What a line of sight does at an instant.
 struct Row {
-    elapsed_s: f64,
-    time_tdb: String,
-    tai_ns: i64,
-    q_x: f64,
-    q_y: f64,
-    q_z: f64,
-    q_w: f64,
-    x: f64,
-    y: f64,
-    z: f64,
-    longitude_deg: f64,
-    latitude_deg: f64,
-    psi_deg: f64,
-    hwp_deg: Option<f64>,
-    scan_speed_deg_s: f64,
-    scan_beam_angle_deg: f64,
+    elapsed: Duration,
+    at: Instant,
+    seen: Sweep,
+    hwp: Option<Phase>,
+}
+
+fn columns() -> [Column<Row>; 16] {
+    [
+        Column::new("elapsed_s", Number(|it| Some(it.elapsed.seconds()))),
+        Column::new("time_tdb", Tdb(|it| it.at)),
+        Column::new("tai_ns", Whole(|it| Some(it.at.tai_ns()))),
+        Column::new("q_x", Number(|it| Some(it.seen.attitude.to_xyzw()[0]))),
+        Column::new("q_y", Number(|it| Some(it.seen.attitude.to_xyzw()[1]))),
+        Column::new("q_z", Number(|it| Some(it.seen.attitude.to_xyzw()[2]))),
+        Column::new("q_w", Number(|it| Some(it.seen.attitude.to_xyzw()[3]))),
+        Column::new("x", Number(|it| Some(it.seen.direction.xyz()[0]))),
+        Column::new("y", Number(|it| Some(it.seen.direction.xyz()[1]))),
+        Column::new("z", Number(|it| Some(it.seen.direction.xyz()[2]))),
+        Column::new(
+            "longitude_deg",
+            Number(|it| Some(degrees::positive(it.seen.direction.longitude_rad()))),
+        ),
+        Column::new(
+            "latitude_deg",
+            Number(|it| Some(it.seen.direction.latitude_rad().to_degrees())),
+        ),
+        Column::new("psi_deg", Number(|it| Some(degrees::signed(it.seen.crossing_angle_rad)))),
+        Column::new("hwp_deg", Number(|it| it.hwp.map(|it| degrees::positive(it.radians())))),
+        Column::new("scan_speed_deg_s", Number(|it| Some(it.seen.speed_rad_s.to_degrees()))),
+        Column::new(
+            "scan_beam_angle_deg",
+            Number(|it| Some(degrees::signed(it.seen.scan_beam_angle_rad))),
+        ),
+    ]
 }
 
 #[derive(Serialize)]
@@ -109,7 +110,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
         return deliver_message(shared, &world, line, attitudes);
     }
     let rows = times.clone().map(|elapsed| row(&world, &sun, line, elapsed));
-    deliver(shared, rows, (&provenance, &COLUMNS), || {
+    deliver(shared, rows, (&provenance, &columns()), || {
         Ok(Summary {
             rows: times.clone().count(),
             telescope: line.telescope_name.clone(),
@@ -198,26 +199,6 @@ fn row(
 ) -> Result<Row, Failure> {
     let at = world.start.plus(elapsed);
     let seen = sweep(&world.scan, sun, line.rotation, at).map_err(TableFault)?;
-    let [q_x, q_y, q_z, q_w] = seen.attitude.to_xyzw();
-    let [x, y, z] = seen.direction.xyz();
-    Ok(Row {
-        elapsed_s: elapsed.seconds(),
-        time_tdb: format_tdb(at),
-        tai_ns: at.tai_ns(),
-        q_x,
-        q_y,
-        q_z,
-        q_w,
-        x,
-        y,
-        z,
-        longitude_deg: degrees::positive(seen.direction.longitude_rad()),
-        latitude_deg: seen.direction.latitude_rad().to_degrees(),
-        psi_deg: degrees::signed(seen.crossing_angle_rad),
-        hwp_deg: line
-            .hwp
-            .map(|plate| degrees::positive(hwp_phase(&world.scan, plate, at).radians())),
-        scan_speed_deg_s: seen.speed_rad_s.to_degrees(),
-        scan_beam_angle_deg: degrees::signed(seen.scan_beam_angle_rad),
-    })
+    let hwp = line.hwp.map(|plate| hwp_phase(&world.scan, plate, at));
+    Ok(Row { elapsed, at, seen, hwp })
 }

@@ -1,66 +1,67 @@
 //! `gyrfalcon transits`: every passage of the targets through a line of sight.
 
-use super::{deliver, world};
+use super::{clipped, deliver, world};
 use crate::cli::{SharedArgs, TransitsArgs};
 use crate::failure::Failure;
-use ephem::time::{format_tdb, format_utc};
+use ephem::time::format_tdb;
 use formats::degrees;
-use onboard_core::attitude::sweep;
+use formats::rows::Column;
+use formats::rows::Field::{Count, Number, Tdb, Utc, Whole, Word};
+use onboard_core::attitude::{Sweep, sweep};
 use onboard_core::hwp::hwp_phase;
+use onboard_core::phase::Phase;
 use onboard_core::sun::SunModel;
+use onboard_core::transit::Transit;
 use planner::opportunities::{Found, search};
 use planner::opportunities::{SightLine, select};
 use planner::provenance::Provenance;
 use planner::world::TableFault;
 use planner::world::World;
-use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-const COLUMNS: [&str; 20] = [
-    "target",
-    "telescope",
-    "detector",
-    "entry_tdb",
-    "exit_tdb",
-    "closest_tdb",
-    "entry_utc",
-    "exit_utc",
-    "entry_tai_ns",
-    "exit_tai_ns",
-    "closest_tai_ns",
-    "dwell_s",
-    "min_separation_deg",
-    "psi_deg",
-    "scan_speed_deg_s",
-    "scan_beam_angle_deg",
-    "hwp_angle_deg",
-    "spin_count",
-    "precession_count",
-    "clipped",
-];
-
-#[derive(Serialize)]
+/// A transit, and what the line of sight does at closest approach.
 struct Row<'w> {
     target: &'w str,
-    telescope: &'w str,
-    detector: &'w str,
-    entry_tdb: String,
-    exit_tdb: String,
-    closest_tdb: String,
-    entry_utc: String,
-    exit_utc: String,
-    entry_tai_ns: i64,
-    exit_tai_ns: i64,
-    closest_tai_ns: i64,
-    dwell_s: f64,
-    min_separation_deg: f64,
-    psi_deg: f64,
-    scan_speed_deg_s: f64,
-    scan_beam_angle_deg: f64,
-    hwp_angle_deg: Option<f64>,
-    spin_count: u64,
-    precession_count: u64,
-    clipped: &'static str,
+    line: &'w SightLine,
+    transit: &'w Transit,
+    closest: Sweep,
+    hwp: Option<Phase>,
+    /// Completed turns of precession and spin.
+    turns: (u64, u64),
+}
+
+fn columns<'w>() -> [Column<Row<'w>>; 20] {
+    [
+        Column::new("target", Word(|it| Some(it.target.into()))),
+        Column::new("telescope", Word(|it| Some((&it.line.telescope_name).into()))),
+        Column::new("detector", Word(|it| Some((&it.line.detector_name).into()))),
+        Column::new("entry_tdb", Tdb(|it| it.transit.entry)),
+        Column::new("exit_tdb", Tdb(|it| it.transit.exit)),
+        Column::new("closest_tdb", Tdb(|it| it.transit.closest)),
+        Column::new("entry_utc", Utc(|it| it.transit.entry)),
+        Column::new("exit_utc", Utc(|it| it.transit.exit)),
+        Column::new("entry_tai_ns", Whole(|it| Some(it.transit.entry.tai_ns()))),
+        Column::new("exit_tai_ns", Whole(|it| Some(it.transit.exit.tai_ns()))),
+        Column::new("closest_tai_ns", Whole(|it| Some(it.transit.closest.tai_ns()))),
+        Column::new("dwell_s", Number(|it| Some(it.transit.dwell().seconds()))),
+        Column::new(
+            "min_separation_deg",
+            Number(|it| Some(it.transit.min_separation_rad.to_degrees())),
+        ),
+        Column::new("psi_deg", Number(|it| Some(degrees::signed(it.closest.crossing_angle_rad)))),
+        Column::new("scan_speed_deg_s", Number(|it| Some(it.closest.speed_rad_s.to_degrees()))),
+        Column::new(
+            "scan_beam_angle_deg",
+            Number(|it| Some(degrees::signed(it.closest.scan_beam_angle_rad))),
+        ),
+        Column::new("hwp_angle_deg", Number(|it| it.hwp.map(|it| degrees::positive(it.radians())))),
+        Column::new("spin_count", Count(|it| Some(it.turns.1))),
+        Column::new("precession_count", Count(|it| Some(it.turns.0))),
+        Column::new(
+            "clipped",
+            Word(|it| Some(clipped(it.transit.entry_clipped, it.transit.exit_clipped).into())),
+        ),
+    ]
 }
 
 pub(super) fn run(shared: &SharedArgs, arguments: &TransitsArgs) -> Result<(), Failure> {
@@ -74,47 +75,26 @@ pub(super) fn run(shared: &SharedArgs, arguments: &TransitsArgs) -> Result<(), F
     let sun = world.sun(table)?;
     let provenance = Provenance::of(&world);
     let rows = found.iter().map(|it| row(&world, &sun, &lines[it.line], it));
-    deliver(shared, rows, (&provenance, &COLUMNS), || summary(&world, &lines, &found, &provenance))
+    deliver(shared, rows, (&provenance, &columns()), || {
+        summary(&world, &lines, &found, &provenance)
+    })
 }
 
 fn row<'w>(
     world: &'w World,
     sun: &SunModel<'_>,
     line: &'w SightLine,
-    found: &Found,
+    found: &'w Found,
 ) -> Result<Row<'w>, Failure> {
     let transit = &found.transit;
     let at = transit.closest;
-    let seen = sweep(&world.scan, sun, line.rotation, at).map_err(TableFault)?;
-    let (precession_count, spin_count) = world.scan.turns(at);
     Ok(Row {
         target: world.targets[found.target].name(),
-        telescope: &line.telescope_name,
-        detector: &line.detector_name,
-        entry_tdb: format_tdb(transit.entry),
-        exit_tdb: format_tdb(transit.exit),
-        closest_tdb: format_tdb(at),
-        entry_utc: format_utc(transit.entry),
-        exit_utc: format_utc(transit.exit),
-        entry_tai_ns: transit.entry.tai_ns(),
-        exit_tai_ns: transit.exit.tai_ns(),
-        closest_tai_ns: at.tai_ns(),
-        dwell_s: transit.dwell().seconds(),
-        min_separation_deg: transit.min_separation_rad.to_degrees(),
-        psi_deg: degrees::signed(seen.crossing_angle_rad),
-        scan_speed_deg_s: seen.speed_rad_s.to_degrees(),
-        scan_beam_angle_deg: degrees::signed(seen.scan_beam_angle_rad),
-        hwp_angle_deg: line
-            .hwp
-            .map(|plate| degrees::positive(hwp_phase(&world.scan, plate, at).radians())),
-        spin_count,
-        precession_count,
-        clipped: match (transit.entry_clipped, transit.exit_clipped) {
-            (false, false) => "",
-            (true, false) => "entry",
-            (false, true) => "exit",
-            (true, true) => "both",
-        },
+        line,
+        transit,
+        closest: sweep(&world.scan, sun, line.rotation, at).map_err(TableFault)?,
+        hwp: line.hwp.map(|plate| hwp_phase(&world.scan, plate, at)),
+        turns: world.scan.turns(at),
     })
 }
 

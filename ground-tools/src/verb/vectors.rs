@@ -5,17 +5,14 @@ use crate::cli::{Format, SharedArgs, VectorsArgs};
 use crate::failure::Failure;
 use crate::output::{Sink, to_stdout, write_folder};
 use ephem::random::SplitMix64;
-use formats::rows::{self, Layout};
-use formats::vectors::{
-    TRANSIT_COLUMNS, TransitVector, VECTOR_COLUMNS, Vector, VectorSet, c_header,
-};
+use formats::rows::{self, Column, Layout, json_lines};
+use formats::vectors::{TransitVector, Vector, VectorSet, c_header};
 use mission::digest::sha256_hex;
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::time::Duration;
 use planner::opportunities::select;
 use planner::provenance::Provenance;
 use planner::world::World;
-use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -100,14 +97,6 @@ fn format(shared: &SharedArgs) -> Format {
     })
 }
 
-/// A vector or a transit in JSON lines.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Object<'s> {
-    Vector(&'s Vector<'s>),
-    Transit(&'s TransitVector<'s>),
-}
-
 /// Writes all files or none; returns their paths.
 fn deliver(
     shared: &SharedArgs,
@@ -119,21 +108,22 @@ fn deliver(
         return Ok(Vec::new());
     }
     let format = format(shared);
-    let rows_format = if format == Format::C { rows::Format::Csv } else { format.of_rows()? };
-    let table = |header: &[&str], rows: &mut dyn Iterator<Item = Object<'_>>| {
-        let layout = Layout { format: rows_format, provenance, header };
-        let mut bytes = Vec::new();
-        rows::write(&mut bytes, rows.map(Ok::<_, Failure>), &layout)?;
-        Ok::<_, Failure>(bytes)
-    };
-    let mut vectors = set.vectors.iter().map(Object::Vector);
-    let mut transits = set.transits.iter().map(Object::Transit);
+    let (vectors, transits) = (&set.vectors, &set.transits);
     let (first, second) = match format {
         Format::C => (c_header::text(set, provenance).into_bytes(), None),
-        Format::Jsonl => (table(&[], &mut vectors.chain(transits))?, None),
+        Format::Jsonl => {
+            let mut bytes = Vec::new();
+            let rows = vectors.iter().map(Ok::<_, Failure>);
+            let before = json_lines(&mut bytes, rows, &Vector::columns(), Some(provenance))?;
+            let provenance = Some(provenance).filter(|_| before == 0);
+            let rows = transits.iter().map(Ok::<_, Failure>);
+            json_lines(&mut bytes, rows, &TransitVector::columns(), provenance)?;
+            (bytes, None)
+        }
         Format::Csv | Format::Parquet | Format::Aem => {
-            let second = table(&TRANSIT_COLUMNS, &mut transits)?;
-            (table(&VECTOR_COLUMNS, &mut vectors)?, Some(second))
+            let format = format.of_rows()?;
+            let second = rows_in(transits, &TransitVector::columns(), (format, provenance))?;
+            (rows_in(vectors, &Vector::columns(), (format, provenance))?, Some(second))
         }
     };
     let Sink::File(path) = sink else {
@@ -163,6 +153,18 @@ fn deliver(
     }
     write_folder(folder, &[(&name, &first), (&other, &second)])?;
     Ok(vec![path.clone(), beside])
+}
+
+/// Rows in one form.
+fn rows_in<'r, R>(
+    rows: &'r [R],
+    columns: &[Column<&'r R>],
+    (format, provenance): (rows::Format, &Provenance),
+) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Vec::new();
+    let rows = rows.iter().map(Ok::<_, Failure>);
+    rows::write(&mut bytes, rows, &Layout { format, provenance, columns })?;
+    Ok(bytes)
 }
 
 /// `NAME.transits.csv` beside `NAME.csv`.

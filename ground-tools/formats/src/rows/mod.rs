@@ -1,33 +1,39 @@
-//! Rows of CSV, JSON lines or Parquet, from one definition.
+//! Rows of CSV, JSON lines or Parquet, from one definition of their columns.
 //!
-//! CSV: provenance as comments, a header, shortest round-trip numbers. JSON lines: an object per
-//! row, the first of them carrying the provenance too. Parquet: `columns`.
+//! A table is a list of [`Column`]s: each has a name, a kind and what it takes from a row.
+//!
+//! CSV: provenance as comments, a header, shortest round-trip numbers, nothing for what is not known.
+//! JSON lines: an object per row, null for what is not known, the first row with the provenance too.
+//! Parquet: [`parquet`].
 
-mod columns;
-mod cells;
+mod column;
+mod parquet;
+
+pub use column::{Cell, Column, Field};
 
 use crate::error::WriteError;
 use planner::provenance::Provenance;
-use serde::Serialize;
+use serde::ser::{SerializeMap, SerializeSeq};
+use serde::{Serialize, Serializer};
 use std::error::Error;
 use std::io::Write;
 
 /// Why a row could not be made, as whoever makes it says.
 pub type RowError = Box<dyn Error + Send + Sync>;
 
-/// Writes rows as they come; `header` names the columns. Returns how many there were.
+/// Writes rows as they come; returns how many there were.
 ///
 /// # Errors
 /// What a row or the writer says.
-pub fn write<R: Serialize, E: Into<RowError>>(
+pub fn write<R, E: Into<RowError>>(
     out: &mut dyn Write,
     rows: impl Iterator<Item = Result<R, E>>,
-    layout: &Layout<'_>,
+    layout: &Layout<'_, R>,
 ) -> Result<usize, WriteError> {
     match layout.format {
         Format::Csv => csv_rows(out, rows, layout),
-        Format::Jsonl => json_rows(out, rows, layout),
-        Format::Parquet => columns::write(out, rows, layout),
+        Format::Jsonl => json_lines(out, rows, layout.columns, Some(layout.provenance)),
+        Format::Parquet => parquet::write(out, rows, layout),
     }
 }
 
@@ -43,27 +49,28 @@ pub enum Format {
 }
 
 /// How rows are written.
-#[derive(Debug, Clone, Copy)]
-pub struct Layout<'l> {
+#[derive(Debug)]
+pub struct Layout<'l, R> {
     /// CSV, JSON lines or Parquet.
     pub format: Format,
     /// Where the rows come from.
     pub provenance: &'l Provenance,
-    /// The columns' names.
-    pub header: &'l [&'l str],
+    /// What they hold.
+    pub columns: &'l [Column<R>],
 }
 
-fn csv_rows<R: Serialize, E: Into<RowError>>(
+fn csv_rows<R, E: Into<RowError>>(
     mut out: &mut dyn Write,
     rows: impl Iterator<Item = Result<R, E>>,
-    layout: &Layout<'_>,
+    layout: &Layout<'_, R>,
 ) -> Result<usize, WriteError> {
     out.write_all(layout.provenance.comment().as_bytes())?;
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(&mut out);
-    writer.write_record(layout.header).map_err(csv_error)?;
+    writer.write_record(layout.columns.iter().map(|it| it.name)).map_err(csv_error)?;
     let mut count = 0;
     for row in rows {
-        writer.serialize(row.map_err(WriteError::row)?).map_err(csv_error)?;
+        let row = row.map_err(WriteError::row)?;
+        writer.serialize(Record { row: &row, columns: layout.columns }).map_err(csv_error)?;
         count += 1;
     }
     writer.flush()?;
@@ -77,30 +84,61 @@ fn csv_error(error: csv::Error) -> WriteError {
     }
 }
 
-fn json_rows<R: Serialize, E: Into<RowError>>(
+/// Writes rows as JSON lines, the first of them with the provenance, where there is one; returns how
+/// many there were. Rows of other columns may follow.
+///
+/// # Errors
+/// What a row or the writer says.
+pub fn json_lines<R, E: Into<RowError>>(
     out: &mut dyn Write,
     rows: impl Iterator<Item = Result<R, E>>,
-    layout: &Layout<'_>,
+    columns: &[Column<R>],
+    provenance: Option<&Provenance>,
 ) -> Result<usize, WriteError> {
     let mut count = 0;
     for row in rows {
         let row = row.map_err(WriteError::row)?;
-        if count == 0 {
-            serde_json::to_writer(&mut *out, &First { row, provenance: layout.provenance })
-        } else {
-            serde_json::to_writer(&mut *out, &row)
-        }
-        .map_err(std::io::Error::from)?;
+        let provenance = provenance.filter(|_| count == 0);
+        serde_json::to_writer(&mut *out, &Object { row: &row, columns, provenance })
+            .map_err(std::io::Error::from)?;
         out.write_all(b"\n")?;
         count += 1;
     }
     Ok(count)
 }
 
-/// The first row of JSON lines.
-#[derive(Serialize)]
-struct First<'p, R> {
-    #[serde(flatten)]
-    row: R,
-    provenance: &'p Provenance,
+/// A row without names.
+struct Record<'r, R> {
+    row: &'r R,
+    columns: &'r [Column<R>],
+}
+
+impl<R> Serialize for Record<'_, R> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut cells = serializer.serialize_seq(Some(self.columns.len()))?;
+        for column in self.columns {
+            cells.serialize_element(&column.field.of(self.row))?;
+        }
+        cells.end()
+    }
+}
+
+/// A row with names.
+struct Object<'r, R> {
+    row: &'r R,
+    columns: &'r [Column<R>],
+    provenance: Option<&'r Provenance>,
+}
+
+impl<R> Serialize for Object<'_, R> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut entries = serializer.serialize_map(None)?;
+        for column in self.columns {
+            entries.serialize_entry(column.name, &column.field.of(self.row))?;
+        }
+        if let Some(provenance) = self.provenance {
+            entries.serialize_entry("provenance", provenance)?;
+        }
+        entries.end()
+    }
 }

@@ -1,6 +1,7 @@
 //! What `timeline.json` holds.
 
 use crate::error::WriteError;
+use onboard_core::time::Instant;
 use planner::provenance::Provenance;
 use planner::worth::strength::Strength;
 use serde::{Deserialize, Serialize};
@@ -145,6 +146,20 @@ pub struct Session {
     pub signal: Signal,
     /// Why it is there.
     pub reason: String,
+}
+
+impl Session {
+    /// Start, setup included.
+    #[must_use]
+    pub const fn start(&self) -> Instant {
+        Instant::from_tai_ns(self.start_tai_ns)
+    }
+
+    /// End, cooldown included.
+    #[must_use]
+    pub const fn end(&self) -> Instant {
+        Instant::from_tai_ns(self.end_tai_ns)
+    }
 }
 
 /// One pass of a session.

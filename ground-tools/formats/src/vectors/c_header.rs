@@ -6,9 +6,9 @@
 //!
 //! Limits: C has no empty arrays; one that would be has a row of zeros, and its count says 0.
 
-use super::{TransitVector, Turns, Vector, VectorSet};
+use super::{TransitVector, Vector, VectorSet};
 use onboard_core::field_of_view::FieldShape;
-use onboard_core::phase::Rotor;
+use onboard_core::phase::{Phase, Rotor};
 use planner::opportunities::SightLine;
 use planner::provenance::Provenance;
 use std::fmt::{self, Display, Write};
@@ -197,10 +197,10 @@ fn mission(out: &mut String, set: &VectorSet<'_>) -> fmt::Result {
 fn halves(rotor: Rotor) -> [String; 3] {
     let bits = rotor.rate.bits();
     let constant = |bits: u128| format!("UINT64_C({bits:#018x})");
-    [constant(bits >> 64), constant(bits & u128::from(u64::MAX)), phase(Turns(rotor.start))]
+    [constant(bits >> 64), constant(bits & u128::from(u64::MAX)), phase(rotor.start)]
 }
 
-fn phase(Turns(phase): Turns) -> String {
+fn phase(phase: Phase) -> String {
     format!("UINT64_C({:#018x})", phase.bits())
 }
 

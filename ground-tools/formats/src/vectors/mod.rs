@@ -11,6 +11,8 @@
 
 pub mod c_header;
 
+use crate::rows::Column;
+use crate::rows::Field::{Count, Number, Truth, Whole, Word};
 use onboard_core::attitude::sweep;
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::hwp::hwp_phase;
@@ -18,50 +20,8 @@ use onboard_core::phase::Phase;
 use onboard_core::time::{Duration, Instant};
 use planner::opportunities::{Found, OffersError, SightLine, search};
 use planner::world::{TableFault, World};
-use serde::{Serialize, Serializer};
+use std::borrow::Cow;
 use thiserror::Error;
-
-/// The columns of [`Vector`].
-pub const VECTOR_COLUMNS: [&str; 23] = [
-    "kind",
-    "telescope",
-    "detector",
-    "tai_ns",
-    "elapsed_ns",
-    "sun_x",
-    "sun_y",
-    "sun_z",
-    "q_x",
-    "q_y",
-    "q_z",
-    "q_w",
-    "x",
-    "y",
-    "z",
-    "psi_rad",
-    "zeta_rad",
-    "scan_speed_rad_s",
-    "precession_phase",
-    "spin_phase",
-    "hwp_phase",
-    "precession_count",
-    "spin_count",
-];
-
-/// The columns of [`TransitVector`].
-pub const TRANSIT_COLUMNS: [&str; 11] = [
-    "kind",
-    "target",
-    "body",
-    "telescope",
-    "detector",
-    "entry_tai_ns",
-    "exit_tai_ns",
-    "closest_tai_ns",
-    "min_separation_rad",
-    "entry_clipped",
-    "exit_clipped",
-];
 
 /// Why a table serves no vectors.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -81,10 +41,8 @@ pub enum VectorsError {
 }
 
 /// What one line of sight does at one instant.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 pub struct Vector<'w> {
-    /// `vector`.
-    pub kind: &'static str,
     /// Telescope's name, or `-`.
     pub telescope: &'w str,
     /// Detector's name, or `-`.
@@ -120,11 +78,11 @@ pub struct Vector<'w> {
     /// Speed of the line of sight on the sky.
     pub scan_speed_rad_s: f64,
     /// Precession phase.
-    pub precession_phase: Turns,
+    pub precession_phase: Phase,
     /// Spin phase.
-    pub spin_phase: Turns,
+    pub spin_phase: Phase,
     /// Half-wave plate's phase, where there is a plate.
-    pub hwp_phase: Option<Turns>,
+    pub hwp_phase: Option<Phase>,
     /// Completed precession turns since the start.
     pub precession_count: u64,
     /// Completed spin turns since the start.
@@ -132,10 +90,8 @@ pub struct Vector<'w> {
 }
 
 /// One transit.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 pub struct TransitVector<'w> {
-    /// `transit`.
-    pub kind: &'static str,
     /// Target's name.
     pub target: &'w str,
     /// Its number in the table.
@@ -158,14 +114,60 @@ pub struct TransitVector<'w> {
     pub exit_clipped: bool,
 }
 
-/// A phase, written as its 64 bits in hexadecimal digits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Turns(pub Phase);
-
-impl Serialize for Turns {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&format_args!("{:#018x}", self.0.bits()))
+impl Vector<'_> {
+    /// Its columns; phases are the 64 bits in hexadecimal digits.
+    #[must_use]
+    pub fn columns<'r>() -> [Column<&'r Self>; 23] {
+        [
+            Column::new("kind", Word(|_| Some("vector".into()))),
+            Column::new("telescope", Word(|it| Some(it.telescope.into()))),
+            Column::new("detector", Word(|it| Some(it.detector.into()))),
+            Column::new("tai_ns", Whole(|it| Some(it.tai_ns))),
+            Column::new("elapsed_ns", Whole(|it| Some(it.elapsed_ns))),
+            Column::new("sun_x", Number(|it| Some(it.sun_x))),
+            Column::new("sun_y", Number(|it| Some(it.sun_y))),
+            Column::new("sun_z", Number(|it| Some(it.sun_z))),
+            Column::new("q_x", Number(|it| Some(it.q_x))),
+            Column::new("q_y", Number(|it| Some(it.q_y))),
+            Column::new("q_z", Number(|it| Some(it.q_z))),
+            Column::new("q_w", Number(|it| Some(it.q_w))),
+            Column::new("x", Number(|it| Some(it.x))),
+            Column::new("y", Number(|it| Some(it.y))),
+            Column::new("z", Number(|it| Some(it.z))),
+            Column::new("psi_rad", Number(|it| Some(it.psi_rad))),
+            Column::new("zeta_rad", Number(|it| Some(it.zeta_rad))),
+            Column::new("scan_speed_rad_s", Number(|it| Some(it.scan_speed_rad_s))),
+            Column::new("precession_phase", Word(|it| Some(hexadecimal(it.precession_phase)))),
+            Column::new("spin_phase", Word(|it| Some(hexadecimal(it.spin_phase)))),
+            Column::new("hwp_phase", Word(|it| it.hwp_phase.map(hexadecimal))),
+            Column::new("precession_count", Count(|it| Some(it.precession_count))),
+            Column::new("spin_count", Count(|it| Some(it.spin_count))),
+        ]
     }
+}
+
+impl TransitVector<'_> {
+    /// Its columns.
+    #[must_use]
+    pub fn columns<'r>() -> [Column<&'r Self>; 11] {
+        [
+            Column::new("kind", Word(|_| Some("transit".into()))),
+            Column::new("target", Word(|it| Some(it.target.into()))),
+            Column::new("body", Whole(|it| Some(it.body.into()))),
+            Column::new("telescope", Word(|it| Some(it.telescope.into()))),
+            Column::new("detector", Word(|it| Some(it.detector.into()))),
+            Column::new("entry_tai_ns", Whole(|it| Some(it.entry_tai_ns))),
+            Column::new("exit_tai_ns", Whole(|it| Some(it.exit_tai_ns))),
+            Column::new("closest_tai_ns", Whole(|it| Some(it.closest_tai_ns))),
+            Column::new("min_separation_rad", Number(|it| Some(it.min_separation_rad))),
+            Column::new("entry_clipped", Truth(|it| it.entry_clipped)),
+            Column::new("exit_clipped", Truth(|it| it.exit_clipped)),
+        ]
+    }
+}
+
+fn hexadecimal(phase: Phase) -> Cow<'static, str> {
+    format!("{:#018x}", phase.bits()).into()
 }
 
 /// Vectors and transits of a mission.
@@ -208,7 +210,6 @@ impl<'w> VectorSet<'w> {
                 let [q_x, q_y, q_z, q_w] = seen.attitude.to_xyzw();
                 let [x, y, z] = seen.direction.xyz();
                 vectors.push(Vector {
-                    kind: "vector",
                     telescope: &line.telescope_name,
                     detector: &line.detector_name,
                     tai_ns: at.tai_ns(),
@@ -226,9 +227,9 @@ impl<'w> VectorSet<'w> {
                     psi_rad: seen.crossing_angle_rad,
                     zeta_rad: seen.scan_beam_angle_rad,
                     scan_speed_rad_s: seen.speed_rad_s,
-                    precession_phase: Turns(precession),
-                    spin_phase: Turns(spin),
-                    hwp_phase: line.hwp.map(|plate| Turns(hwp_phase(&world.scan, plate, at))),
+                    precession_phase: precession,
+                    spin_phase: spin,
+                    hwp_phase: line.hwp.map(|plate| hwp_phase(&world.scan, plate, at)),
                     precession_count,
                     spin_count,
                 });
@@ -245,7 +246,6 @@ fn transit<'w>(world: &'w World, lines: &'w [SightLine], found: &Found) -> Trans
     let (source, line) = (&world.targets[*target], &lines[*line]);
     let ns = |at: Instant| at.tai_ns();
     TransitVector {
-        kind: "transit",
         target: source.name(),
         body: source.body(),
         telescope: &line.telescope_name,

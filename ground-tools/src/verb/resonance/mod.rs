@@ -14,6 +14,8 @@ use crate::output::Sink;
 use crate::picture::{Figure, write_figures};
 use figure::{Point, figure};
 use formats::resonance::{json as checked_json, minutes, sentence};
+use formats::rows::Column;
+use formats::rows::Field::{Number, Whole};
 use options::{Actuators, Periods};
 use planner::provenance::Provenance;
 use planner::resonance::check::{Checked, ResonanceCheck};
@@ -21,11 +23,9 @@ use planner::resonance::{
     CertificateError, Choice, Crosslink, Recommendation, Tolerance, tolerance_after,
 };
 use planner::world::World;
-use serde::Serialize;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-const COLUMNS: [&str; 5] = ["precession_period_min", "sigma_predicted", "p", "q", "m"];
 /// Halvings of the time after which the rates have drifted out.
 const HALVINGS: u32 = 24;
 /// Times after a correction that are tried, in seconds: ten years.
@@ -35,14 +35,15 @@ const LEAST_DAYS: f64 = 30.0;
 /// Points of a figure without a scan.
 const FIGURE_POINTS: u32 = 400;
 
-/// A row of a scan.
-#[derive(Debug, Clone, Copy, Serialize)]
-struct Row {
-    precession_period_min: f64,
-    sigma_predicted: f64,
-    p: Option<i32>,
-    q: Option<i32>,
-    m: Option<i32>,
+/// The columns of a scan.
+fn columns<'p>() -> [Column<&'p Point>; 5] {
+    [
+        Column::new("precession_period_min", Number(|it| Some(it.minutes))),
+        Column::new("sigma_predicted", Number(|it| Some(it.sigma))),
+        Column::new("p", Whole(|it| it.strongest.map(|it| it[0].into()))),
+        Column::new("q", Whole(|it| it.strongest.map(|it| it[1].into()))),
+        Column::new("m", Whole(|it| it.strongest.map(|it| it[2].into()))),
+    ]
 }
 
 pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), Failure> {
@@ -146,19 +147,10 @@ fn around(check: &mut ResonanceCheck, checked: &Checked) -> Vec<Point> {
 }
 
 fn rows(shared: &SharedArgs, points: &[Point], provenance: &Provenance) -> Result<(), Failure> {
-    let rows = points.iter().map(|it| {
-        let strongest = |index: usize| it.strongest.map(|it| it[index]);
-        Ok(Row {
-            precession_period_min: it.minutes,
-            sigma_predicted: it.sigma,
-            p: strongest(0),
-            q: strongest(1),
-            m: strongest(2),
-        })
-    });
+    let rows = points.iter().map(Ok);
     // The summary is the verb's own.
     let shared = SharedArgs { json: false, ..shared.clone() };
-    deliver(&shared, rows, (provenance, &COLUMNS), || Ok(()))
+    deliver(&shared, rows, (provenance, &columns()), || Ok(()))
 }
 
 /// What the actuators make of the periods, and for how long.

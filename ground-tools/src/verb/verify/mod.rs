@@ -9,11 +9,13 @@ use crate::output::Sink;
 use ephem::apparent::OBLIQUITY_ARCSEC;
 use ephem::time::format_tdb;
 use formats::history::{History, Reference};
-use formats::rows::{self, Layout};
+use formats::rows::Field::{Count, Number, Tdb, Truth, Whole};
+use formats::rows::{self, Column, Layout};
 use onboard_core::attitude::attitude;
 use onboard_core::frame::{Boresight, Detector, Ecliptic, Icrf};
 use onboard_core::rotation::Rotation;
 use onboard_core::sun::SunModel;
+use onboard_core::time::Instant;
 use planner::history_fit::angles::rotation_vector;
 use planner::history_fit::{FEWEST_ROWS, Fit, FitError, Measured, fit};
 use planner::opportunities::select;
@@ -21,33 +23,15 @@ use planner::provenance::Provenance;
 use planner::world::TableFault;
 use planner::world::World;
 use report::{ARCSECONDS_PER_RADIAN, Report};
-use serde::Serialize;
 use std::io::Read;
 use std::path::Path;
 
-const COLUMNS: [&str; 13] = [
-    "line",
-    "elapsed_s",
-    "time_tdb",
-    "tai_ns",
-    "residual_x_arcsec",
-    "residual_y_arcsec",
-    "residual_z_arcsec",
-    "residual_arcsec",
-    "fit_x_arcsec",
-    "fit_y_arcsec",
-    "fit_z_arcsec",
-    "fit_arcsec",
-    "outlier",
-];
-
 /// One row's residuals.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug)]
 struct Row {
     line: usize,
     elapsed_s: f64,
-    time_tdb: String,
-    tai_ns: i64,
+    at: Instant,
     residual_x_arcsec: f64,
     residual_y_arcsec: f64,
     residual_z_arcsec: f64,
@@ -57,6 +41,24 @@ struct Row {
     fit_z_arcsec: Option<f64>,
     fit_arcsec: Option<f64>,
     outlier: bool,
+}
+
+fn columns<'r>() -> [Column<&'r Row>; 13] {
+    [
+        Column::new("line", Count(|it| u64::try_from(it.line).ok())),
+        Column::new("elapsed_s", Number(|it| Some(it.elapsed_s))),
+        Column::new("time_tdb", Tdb(|it| it.at)),
+        Column::new("tai_ns", Whole(|it| Some(it.at.tai_ns()))),
+        Column::new("residual_x_arcsec", Number(|it| Some(it.residual_x_arcsec))),
+        Column::new("residual_y_arcsec", Number(|it| Some(it.residual_y_arcsec))),
+        Column::new("residual_z_arcsec", Number(|it| Some(it.residual_z_arcsec))),
+        Column::new("residual_arcsec", Number(|it| Some(it.residual_arcsec))),
+        Column::new("fit_x_arcsec", Number(|it| it.fit_x_arcsec)),
+        Column::new("fit_y_arcsec", Number(|it| it.fit_y_arcsec)),
+        Column::new("fit_z_arcsec", Number(|it| it.fit_z_arcsec)),
+        Column::new("fit_arcsec", Number(|it| it.fit_arcsec)),
+        Column::new("outlier", Truth(|it| it.outlier)),
+    ]
 }
 
 pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Failure> {
@@ -87,9 +89,9 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
         let layout = Layout {
             format: shared.format.unwrap_or(Format::Csv).of_rows()?,
             provenance: &provenance,
-            header: &COLUMNS,
+            columns: &columns(),
         };
-        let all = rows.iter().cloned().map(Ok::<_, Failure>);
+        let all = rows.iter().map(Ok::<_, Failure>);
         sink(shared).write_with(|out| rows::write(out, all, &layout))?;
     }
     let against_fit = arguments.against == Against::Fit;
@@ -203,8 +205,7 @@ fn residuals(
             Ok(Row {
                 line: row.line,
                 elapsed_s: world.scan.elapsed(row.at).seconds(),
-                time_tdb: format_tdb(row.at),
-                tai_ns: row.at.tai_ns(),
+                at: row.at,
                 residual_x_arcsec: off[0],
                 residual_y_arcsec: off[1],
                 residual_z_arcsec: off[2],

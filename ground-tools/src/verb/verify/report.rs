@@ -240,7 +240,7 @@ impl<'r> Report<'r> {
                 json!({
                     "line": it.line,
                     "elapsed_s": it.elapsed_s,
-                    "time_tdb": it.time_tdb,
+                    "time_tdb": format_tdb(it.at),
                     "residual_arcsec": it.residual_arcsec,
                     "fit_arcsec": it.fit_arcsec,
                 })
@@ -252,8 +252,8 @@ impl<'r> Report<'r> {
             .map(|index| {
                 let (before, after) = (&self.rows[*index], &self.rows[index + 1]);
                 json!({
-                    "from_tdb": before.time_tdb,
-                    "to_tdb": after.time_tdb,
+                    "from_tdb": format_tdb(before.at),
+                    "to_tdb": format_tdb(after.at),
                     "from_line": before.line,
                     "to_line": after.line,
                     "seconds": after.elapsed_s - before.elapsed_s,
@@ -269,8 +269,8 @@ impl<'r> Report<'r> {
             "form": self.history.form,
             "rows": self.rows.len(),
             "used": self.fit.as_ref().ok().map(|_| self.rows.len() - outliers.len()),
-            "first_tdb": self.rows.first().map(|row| &row.time_tdb),
-            "last_tdb": self.rows.last().map(|row| &row.time_tdb),
+            "first_tdb": self.rows.first().map(|row| format_tdb(row.at)),
+            "last_tdb": self.rows.last().map(|row| format_tdb(row.at)),
             "median_step_s": seconds(self.median_step_ns),
             "limit_arcsec": self.limit_arcsec,
             "against": if self.against_fit { "fit" } else { "mission" },
@@ -320,7 +320,12 @@ impl<'r> Report<'r> {
         }
         for row in self.outliers().take(SHOWN) {
             let fit = row.fit_arcsec.unwrap_or(0.0);
-            writeln!(out, "outlier: line {}, {} TDB, {fit:.3} arcsec", row.line, row.time_tdb)?;
+            writeln!(
+                out,
+                "outlier: line {}, {} TDB, {fit:.3} arcsec",
+                row.line,
+                format_tdb(row.at)
+            )?;
         }
         if outliers > SHOWN {
             writeln!(out, "and {} more outliers", outliers - SHOWN)?;
@@ -328,7 +333,12 @@ impl<'r> Report<'r> {
         for index in self.gaps.iter().take(SHOWN) {
             let (before, after) = (&self.rows[*index], &self.rows[index + 1]);
             let length = after.elapsed_s - before.elapsed_s;
-            writeln!(out, "gap: {length} s after line {}, {} TDB", before.line, before.time_tdb)?;
+            writeln!(
+                out,
+                "gap: {length} s after line {}, {} TDB",
+                before.line,
+                format_tdb(before.at)
+            )?;
         }
         if self.gaps.len() > SHOWN {
             writeln!(out, "and {} more gaps", self.gaps.len() - SHOWN)?;

@@ -6,7 +6,7 @@
 
 mod figures;
 
-use super::{mission, print_json, sink, tell};
+use super::{clipped, mission, print_json, sink, tell};
 use crate::cli::places::{FixedPlace, Numbering, PlaceShape, direction};
 use crate::cli::{Format, SharedArgs, VisitsArgs};
 use crate::failure::Failure;
@@ -14,9 +14,9 @@ use crate::output::Sink;
 use crate::picture::write_figures;
 use ephem::time::format_tdb;
 use figures::Setting;
-use formats::rows::{self, Layout};
+use formats::rows::Field::{Number, Tdb, Whole, Word};
+use formats::rows::{self, Column, Layout};
 use formats::visits::{Mark, Report, marks, text};
-use mission::number::Number;
 use mission::quantity;
 use num_traits::{Signed, ToPrimitive, Zero};
 use onboard_core::ephemeris::EphemerisTable;
@@ -34,33 +34,30 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::num::NonZeroU64;
 
-const COLUMNS: [&str; 11] = [
-    "target",
-    "telescope",
-    "detector",
-    "entry_tdb",
-    "exit_tdb",
-    "entry_tai_ns",
-    "exit_tai_ns",
-    "dwell_s",
-    "revisit_s",
-    "gap_s",
-    "clipped",
-];
-
-#[derive(Serialize)]
+/// A visit, and how long since the one before.
 struct Row<'v> {
-    target: &'v str,
-    telescope: &'v str,
-    detector: &'v str,
-    entry_tdb: String,
-    exit_tdb: String,
-    entry_tai_ns: i64,
-    exit_tai_ns: i64,
-    dwell_s: f64,
-    revisit_s: Option<f64>,
-    gap_s: Option<f64>,
-    clipped: &'static str,
+    place: &'v Visited<'v>,
+    visit: Visit,
+    wait: Wait,
+}
+
+fn columns<'v>() -> [Column<Row<'v>>; 11] {
+    [
+        Column::new("target", Word(|it| Some(it.place.name.into()))),
+        Column::new("telescope", Word(|it| Some((&it.place.line.telescope_name).into()))),
+        Column::new("detector", Word(|it| Some((&it.place.line.detector_name).into()))),
+        Column::new("entry_tdb", Tdb(|it| it.visit.entry)),
+        Column::new("exit_tdb", Tdb(|it| it.visit.exit)),
+        Column::new("entry_tai_ns", Whole(|it| Some(it.visit.entry.tai_ns()))),
+        Column::new("exit_tai_ns", Whole(|it| Some(it.visit.exit.tai_ns()))),
+        Column::new("dwell_s", Number(|it| Some(it.visit.dwell().seconds()))),
+        Column::new("revisit_s", Number(|it| it.wait.revisit.map(Duration::seconds))),
+        Column::new("gap_s", Number(|it| it.wait.gap.map(Duration::seconds))),
+        Column::new(
+            "clipped",
+            Word(|it| Some(clipped(it.visit.entry_clipped, it.visit.exit_clipped).into())),
+        ),
+    ]
 }
 
 /// All that the verb tells, and all that its figures need.
@@ -187,7 +184,7 @@ fn places(arguments: &VisitsArgs) -> Result<Vec<FixedPlace>, Failure> {
 
 /// The sampling rate in Hz, and as a ratio.
 fn rate(arguments: &VisitsArgs, world: &World) -> Result<(f64, (NonZeroU64, NonZeroU64)), Failure> {
-    let number: Number = match &arguments.rate {
+    let number: mission::number::Number = match &arguments.rate {
         None => world.mission.scan.sampling_rate_hz.clone(),
         Some(text) => {
             quantity::hertz(text).map_err(|error| Failure::Input(format!("--rate: {error}")))?
@@ -279,29 +276,8 @@ fn write_rows(
     rows.sort_by_key(|(index, visit, _)| (visit.entry, *index));
     let rows = rows
         .into_iter()
-        .map(|(index, visit, wait)| Ok::<_, Failure>(row(&found[index], visit, wait)));
-    let layout = Layout { format, provenance, header: &COLUMNS };
+        .map(|(index, visit, wait)| Ok::<_, Failure>(Row { place: &found[index], visit, wait }));
+    let layout = Layout { format, provenance, columns: &columns() };
     sink.write_with(|out| rows::write(out, rows, &layout))?;
     Ok(())
-}
-
-fn row<'v>(it: &Visited<'v>, visit: Visit, wait: Wait) -> Row<'v> {
-    Row {
-        target: it.name,
-        telescope: &it.line.telescope_name,
-        detector: &it.line.detector_name,
-        entry_tdb: format_tdb(visit.entry),
-        exit_tdb: format_tdb(visit.exit),
-        entry_tai_ns: visit.entry.tai_ns(),
-        exit_tai_ns: visit.exit.tai_ns(),
-        dwell_s: visit.dwell().seconds(),
-        revisit_s: wait.revisit.map(Duration::seconds),
-        gap_s: wait.gap.map(Duration::seconds),
-        clipped: match (visit.entry_clipped, visit.exit_clipped) {
-            (false, false) => "",
-            (true, false) => "entry",
-            (false, true) => "exit",
-            (true, true) => "both",
-        },
-    }
 }
