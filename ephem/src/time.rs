@@ -30,6 +30,7 @@ mod tdb;
 mod utc;
 mod text;
 
+pub use calendar::civil_from_day;
 pub use scale::Scale;
 pub use tdb::{from_epoch, from_tdb_ns, tdb_ns, tdb_seconds, to_epoch};
 pub use text::{TimeError, format_tdb, format_utc, parse_in_scale, parse_time};

@@ -19,7 +19,8 @@ pub(super) fn day_from_civil(year: i64, month: i64, day: i64) -> i64 {
 }
 
 /// Gregorian date (year, month, day) of a day counted from 0 on 2000-01-01.
-pub(super) fn civil_from_day(day: i64) -> (i64, i64, i64) {
+#[must_use]
+pub fn civil_from_day(day: i64) -> (i64, i64, i64) {
     let since_march_0 = day + 730_425;
     let era = since_march_0.div_euclid(146_097);
     let of_era = since_march_0.rem_euclid(146_097);

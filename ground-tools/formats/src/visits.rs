@@ -202,12 +202,18 @@ pub fn text(title: &str, marks: &[Mark], reports: &[Report]) -> String {
         } else if !report.longest_gaps.is_empty() {
             let _ = writeln!(text, "\n{name}, longest gaps:");
             for gap in &report.longest_gaps {
-                let from = gap.from_tdb.get(..19).unwrap_or(&gap.from_tdb);
-                let until = gap.until_tdb.get(..19).unwrap_or(&gap.until_tdb);
+                let [from, until] = [gap.from_tai_ns, gap.until_tai_ns].map(second);
                 let _ = writeln!(text, "{:>10}  {from} to {until} TDB", span(gap.seconds));
             }
         }
     }
+    text
+}
+
+/// `YYYY-MM-DDThh:mm:ss`, TDB.
+fn second(tai_ns: i64) -> String {
+    let mut text = format_tdb(Instant::from_tai_ns(tai_ns));
+    text.truncate(19);
     text
 }
 

@@ -37,7 +37,7 @@ fn entries(title: &str, sign: &str, entries: &[Entry]) -> Markup {
                     } }
                     tbody { @for it in entries { tr {
                         th scope="row" { (sign) " " (it.id) } td { (it.telescope) } td { (it.target) }
-                        td { (second(&it.start_utc)) } td { (second(&it.end_utc)) }
+                        td { (second(it.start)) } td { (second(it.end)) }
                         td.num { (format!("{:.1}", it.dwell_s)) }
                     } } }
                 }
@@ -58,8 +58,8 @@ fn moves(moved: &[Moved]) -> Markup {
                         th.num scope="col" { "in view before (s)" } th.num scope="col" { "now (s)" }
                     } }
                     tbody { @for it in moved { tr {
-                        th scope="row" { (it.now.id) } td { (second(&it.before.start_utc)) }
-                        td { (second(&it.now.start_utc)) } td.num { (format!("{:.1}", it.before.dwell_s)) }
+                        th scope="row" { (it.now.id) } td { (second(it.before.start)) }
+                        td { (second(it.now.start)) } td.num { (format!("{:.1}", it.before.dwell_s)) }
                         td.num { (format!("{:.1}", it.now.dwell_s)) }
                     } } }
                 }
@@ -71,14 +71,15 @@ fn moves(moved: &[Moved]) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ephem::time::parse_time;
 
     fn entry(id: &str) -> Entry {
         Entry {
             id: id.to_owned(),
             telescope: "MFT".to_owned(),
             target: "jupiter".to_owned(),
-            start_utc: "2032-04-01T05:28:02.730323723Z".to_owned(),
-            end_utc: "2032-04-01T05:43:55.800168283Z".to_owned(),
+            start: parse_time("2032-04-01T05:28:02.730323723Z").unwrap(),
+            end: parse_time("2032-04-01T05:43:55.800168283Z").unwrap(),
             dwell_s: 53.07,
         }
     }

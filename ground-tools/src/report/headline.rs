@@ -1,18 +1,18 @@
 //! What is planned, and how sure is it: the numbers that a meeting starts with.
 
 use super::Source;
-use super::names::{Names, grouped, real, total};
+use super::names::{Names, grouped, minute, minute_tdb, real, total};
 use maud::{Markup, html};
+use onboard_core::time::Instant;
 use serde_json::Value;
 
 /// The mission and its span.
 pub(super) fn title(source: &Source) -> Markup {
     let mission = &source.world.mission;
-    let provenance = &source.timeline.provenance;
     html! {
         h1 { (mission.name) " " span.what { "calibration plan" } }
         p.span {
-            (provenance.start_tdb.get(..16).unwrap_or(&provenance.start_tdb).replace('T', " "))
+            (minute_tdb(Instant::from_tai_ns(source.timeline.provenance.start_tai_ns)))
             " TDB for " (mission.span.duration_days) " days, "
             (mission.telescopes.len()) @if mission.telescopes.len() == 1 { " telescope" } @else { " telescopes" }
             ", " (source.world.targets.len()) @if source.world.targets.len() == 1 { " target" } @else { " targets" }
@@ -94,12 +94,11 @@ fn first_and_last(source: &Source) -> String {
     let (Some(first), Some(last)) = (sessions.first(), sessions.last()) else {
         return "There is no session.".to_owned();
     };
-    let minute = |time: &str| time.get(..16).unwrap_or(time).replace('T', " ");
     let days = source.world.end.since(source.world.start).seconds() / 86_400.0;
     format!(
         "The first session begins on {} UTC, the last ends on {} UTC; {:.2} a day in the mean.",
-        minute(&first.start_utc),
-        minute(&last.end_utc),
+        minute(first.start()),
+        minute(last.end()),
         real(sessions.len()) / days
     )
 }

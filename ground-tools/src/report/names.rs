@@ -4,7 +4,9 @@
 
 use super::Source;
 use crate::failure::Failure;
+use ephem::time::{format_tdb, format_utc};
 use formats::timeline::Session;
+use onboard_core::time::Instant;
 use planner::opportunities::Opportunity;
 use std::collections::BTreeMap;
 
@@ -108,9 +110,24 @@ pub(super) fn grouped(count: usize) -> String {
     text
 }
 
-/// `YYYY-MM-DD hh:mm:ss` of a time of the timeline.
-pub(super) fn second(time: &str) -> String {
-    time.get(..19).unwrap_or(time).replace('T', " ")
+/// `YYYY-MM-DD hh:mm:ss`, UTC.
+pub(super) fn second(at: Instant) -> String {
+    apart(&format_utc(at), 19)
+}
+
+/// `YYYY-MM-DD hh:mm`, UTC.
+pub(super) fn minute(at: Instant) -> String {
+    apart(&format_utc(at), 16)
+}
+
+/// `YYYY-MM-DD hh:mm`, TDB.
+pub(super) fn minute_tdb(at: Instant) -> String {
+    apart(&format_tdb(at), 16)
+}
+
+/// Date and time apart, without the last places.
+fn apart(time: &str, places: usize) -> String {
+    time.get(..places).unwrap_or(time).replace('T', " ")
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 //! Colours are in the style sheet, by class, so that figures follow a dark screen and print; words of
 //! an axis over the whole width are HTML, which keeps its size on a phone.
 
-use ephem::time::{format_utc, utc_day, utc_midnight};
+use ephem::time::{civil_from_day, utc_day, utc_midnight};
+use formats::timeline::date;
 use maud::{Markup, html};
 use onboard_core::time::Instant;
 use std::fmt::Write;
@@ -75,26 +76,22 @@ impl TimeAxis {
 
     /// Midnights UTC worth a word: shares of the span, and dates.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
-        let dates = || {
-            (utc_day(self.start) + 1..=utc_day(self.end)).map(|day| {
-                let at = utc_midnight(day);
-                (day, self.share(at), format_utc(at).chars().take(10).collect::<String>())
-            })
-        };
+        let days = || utc_day(self.start) + 1..=utc_day(self.end);
+        let share = |day: i64| self.share(utc_midnight(day));
         for step in [1, 2, 7] {
-            let ticks: Vec<_> = dates().filter(|(day, ..)| day % step == 0).collect();
+            let ticks: Vec<i64> = days().filter(|day| day % step == 0).collect();
             if ticks.len() <= MOST_TICKS {
-                return ticks.into_iter().map(|(_, share, date)| (share, date)).collect();
+                let words = |day: i64| date(utc_midnight(day));
+                return ticks.into_iter().map(|day| (share(day), words(day))).collect();
             }
         }
-        let month = |date: &str| date.get(5..7).and_then(|it| it.parse::<i64>().ok()).unwrap_or(1);
-        let year = |date: &str| date.get(..4).and_then(|it| it.parse::<i64>().ok()).unwrap_or(0);
-        let firsts: Vec<_> = dates().filter(|(.., date)| date.ends_with("-01")).collect();
+        let firsts: Vec<_> =
+            days().map(|day| (day, civil_from_day(day))).filter(|it| it.1.2 == 1).collect();
         for months in [1, 2, 3, 6, 12, 24, 60, 120, 600, 1200] {
             let ticks: Vec<_> = firsts
                 .iter()
-                .filter(|(.., date)| (12 * year(date) + month(date) - 1) % months == 0)
-                .map(|(_, share, date)| (*share, date.chars().take(7).collect()))
+                .filter(|(_, (year, month, _))| (12 * year + month - 1) % months == 0)
+                .map(|&(day, (year, month, _))| (share(day), format!("{year:04}-{month:02}")))
                 .collect();
             if ticks.len() <= MOST_TICKS {
                 return ticks;

@@ -1,8 +1,7 @@
 //! How far is each rule used, and what would loosening it bring.
 //!
-//! Rows of the timeline's `constraints` are grouped by rule, the word that their names begin with; their
-//! unit stands at the end of a name: `(s)`, `(days)`, or none for counts. A shadow price is the objective
-//! per unit of a small loosening in the relaxation. It is told per ten minutes, per day, per hundredth of
+//! Rows of the timeline's `constraints` are grouped by rule. A shadow price is the objective per unit of
+//! a small loosening in the relaxation. It is told per ten minutes, per day, per hundredth of
 //! a scan-angle average, or per session. Above the rows stands what a step for the whole rule would
 //! bring, by target (`planner::schedule::loosen`).
 //!
@@ -11,7 +10,7 @@
 use super::Source;
 use super::names::{grouped, real, total};
 use super::plot::{n, steps};
-use formats::timeline::{Constraint, Loosened};
+use formats::timeline::{Constraint, Loosened, Unit};
 use maud::{Markup, PreEscaped, html};
 
 /// Rows shown of each rule, and further ones behind a fold.
@@ -57,7 +56,7 @@ pub(super) fn section(source: &Source) -> Markup {
 fn groups(constraints: &[Constraint]) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for it in constraints {
-        let rule = it.name.split(' ').next().unwrap_or(&it.name);
+        let rule = &*it.rule;
         match groups.iter_mut().find(|group| group.rule == rule) {
             Some(group) => group.rows.push(it),
             None => groups.push(Group { rule, rows: vec![it] }),
@@ -66,31 +65,21 @@ fn groups(constraints: &[Constraint]) -> Vec<Group<'_>> {
     groups
 }
 
-fn unit(name: &str) -> &'static str {
-    if name.ends_with("(s)") {
-        "min"
-    } else if name.ends_with("(days)") {
-        "d"
-    } else {
-        ""
-    }
-}
-
-fn step(rule: &str, name: &str) -> Step {
-    match (unit(name), rule) {
-        ("min", _) => Step { words: "10 more minutes", units: 600.0 },
-        ("d", _) => Step { words: "1 more day", units: 1.0 },
-        (_, "scan_angle") => Step { words: "0.01 more", units: 0.01 },
-        (_, "min_sessions") => Step { words: "1 session fewer", units: 1.0 },
-        _ => Step { words: "1 more session", units: 1.0 },
+fn step(it: &Constraint) -> Step {
+    match (it.unit, &*it.rule) {
+        (Some(Unit::Seconds), _) => Step { words: "10 more minutes", units: 600.0 },
+        (Some(Unit::Days), _) => Step { words: "1 more day", units: 1.0 },
+        (Some(Unit::Sessions), "min_sessions") => Step { words: "1 session fewer", units: 1.0 },
+        (Some(Unit::Sessions), _) => Step { words: "1 more session", units: 1.0 },
+        (None, _) => Step { words: "0.01 more", units: 0.01 },
     }
 }
 
 /// A value in the unit it is told in.
 fn told(it: &Constraint, value: f64) -> String {
-    match unit(&it.name) {
-        "min" => format!("{:.1}", value / 60.0),
-        "d" => format!("{value:.2}"),
+    match it.unit {
+        Some(Unit::Seconds) => format!("{:.1}", value / 60.0),
+        Some(Unit::Days) => format!("{value:.2}"),
         _ => n((value * 1000.0).round() / 1000.0),
     }
 }
@@ -133,7 +122,7 @@ fn told_loosening(it: &Loosened) -> String {
 }
 
 fn group_table(group: &Group, objective: f64, loosened: &[&Loosened]) -> Markup {
-    let step = step(group.rule, &group.rows[0].name);
+    let step = step(group.rows[0]);
     let sum = step.units * total(group.rows.iter().map(|it| it.shadow_price));
     let full = group.rows.iter().filter(|it| use_of(it) >= 0.999).count();
     let priced = group.rows.iter().filter(|it| it.shadow_price > 0.0).count();
@@ -179,9 +168,10 @@ fn group_table(group: &Group, objective: f64, loosened: &[&Loosened]) -> Markup 
 }
 
 fn head(it: &Constraint) -> Markup {
-    let unit = match unit(&it.name) {
-        "" => String::new(),
-        unit => format!(" ({unit})"),
+    let unit = match it.unit {
+        Some(Unit::Seconds) => " (min)",
+        Some(Unit::Days) => " (d)",
+        Some(Unit::Sessions) | None => "",
     };
     html! { thead { tr {
         th scope="col" { "where" } th.num scope="col" { "used" (unit) } th.num scope="col" { "limit" (unit) }
@@ -190,20 +180,22 @@ fn head(it: &Constraint) -> Markup {
 }
 
 fn row(it: &Constraint, step: Step, objective: f64) -> Markup {
-    let place = it.name.split_once(' ').map_or("", |(_, place)| place);
-    let place = place.trim_end_matches("(s)").trim_end_matches("(days)").trim();
-    // Nanoseconds of an instant say nothing here.
-    let place = place
-        .split('.')
-        .next()
-        .filter(|_| place.ends_with('Z'))
-        .map_or_else(|| place.to_owned(), |cut| format!("{}Z", cut.replace('T', " ")));
+    let place = to_the_second(it.place());
     html! { tr {
         th scope="row" { @if place.is_empty() { "the mission" } @else { (place) } }
         td.num { (told(it, it.used)) } td.num { (told(it, it.limit)) }
         td.num { (format!("{:.0} %", 100.0 * use_of(it))) }
         td { (step.words) " would add " (gain(it.shadow_price * step.units, objective)) }
     } }
+}
+
+/// A place whose instants are cut to the second: nanoseconds say nothing here.
+fn to_the_second(place: &str) -> String {
+    let word = |word: &str| match word.split_once('.') {
+        Some((second, rest)) if rest.ends_with('Z') => format!("{}Z", second.replace('T', " ")),
+        _ => word.to_owned(),
+    };
+    place.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
 /// The largest use in each part of the rows, which stand in time.
@@ -231,24 +223,40 @@ fn strip(group: &Group) -> Markup {
 mod tests {
     use super::*;
 
-    fn row_of(name: &str, price: f64) -> Constraint {
-        Constraint { name: name.to_owned(), used: 0.0, limit: 1.0, shadow_price: price }
+    fn row_of(rule: &str, unit: Option<Unit>, place: &str) -> Constraint {
+        Constraint {
+            name: format!("{rule} {place}"),
+            rule: rule.to_owned(),
+            unit,
+            used: 0.0,
+            limit: 1.0,
+            shadow_price: 0.0,
+        }
     }
 
     #[test]
     fn rules_keep_their_order_and_their_units() {
         let rows = [
-            "max_minutes_per_day 2032-04-01 (s)",
-            "max_sessions from x",
-            "max_minutes_per_day b (s)",
-        ]
-        .map(|name| row_of(name, 0.0));
+            row_of("max_minutes_per_day", Some(Unit::Seconds), "2032-04-01 (s)"),
+            row_of("max_sessions", Some(Unit::Sessions), "from x"),
+            row_of("max_minutes_per_day", Some(Unit::Seconds), "b (s)"),
+        ];
         let found: Vec<(&str, usize)> =
             groups(&rows).iter().map(|it| (it.rule, it.rows.len())).collect();
         assert_eq!(found, [("max_minutes_per_day", 2), ("max_sessions", 1)]);
-        assert_eq!(step("max_minutes_per_day", &rows[0].name).words, "10 more minutes");
-        assert_eq!(step("max_sessions", &rows[1].name).words, "1 more session");
-        assert_eq!(step("longest_gain_gap", "longest_gain_gap x (days)").words, "1 more day");
+        assert_eq!(step(&rows[0]).words, "10 more minutes");
+        assert_eq!(step(&rows[1]).words, "1 more session");
+        let gap = row_of("longest_gain_gap", Some(Unit::Days), "x (days)");
+        assert_eq!(step(&gap).words, "1 more day");
+        assert_eq!(step(&row_of("exclusive", Some(Unit::Seconds), "all")).words, "10 more minutes");
+        assert_eq!(rows.each_ref().map(Constraint::place), ["2032-04-01", "from x", "b"]);
+        assert_eq!(gap.place(), "x");
+    }
+
+    #[test]
+    fn places_are_told_to_the_second() {
+        let place = "jupiter on MFT from 2032-04-01T00:00:00.123456789Z";
+        assert_eq!(to_the_second(place), "jupiter on MFT from 2032-04-01 00:00:00Z");
     }
 
     #[test]

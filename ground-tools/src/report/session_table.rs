@@ -3,18 +3,20 @@
 use super::Source;
 use super::names::{grouped, second, total};
 use super::opportunity_data::psi_range;
+use ephem::time::{civil_from_day, utc_day};
 use formats::timeline::Session;
 use maud::{Markup, html};
+use onboard_core::time::Instant;
 
 pub(super) fn section(source: &Source) -> Markup {
     let sessions = &source.timeline.sessions;
     let months: Vec<&[Session]> =
-        sessions.chunk_by(|a, b| a.start_utc.get(..7) == b.start_utc.get(..7)).collect();
+        sessions.chunk_by(|a, b| month_of(a.start()) == month_of(b.start())).collect();
     html! {
         p { "Start and end (UTC) hold setup and cooldown; psi is the crossing angle and impact the offset across the scan, both at closest approach, of all passes of a session; signal is the antenna temperature at the beam's centre; HWP says how evenly the time in view covers the plate's phases, from 0 to 1. " code { "timeline.json" } " has TDB, TAI and every pass." }
         @if months.is_empty() { p { "There is no session." } }
         div.months { @for (index, month) in months.iter().enumerate() {
-            @let name = month.first().and_then(|it| it.start_utc.get(..7)).unwrap_or_default();
+            @let name = month.first().map_or_else(String::new, |it| named(month_of(it.start())));
             details open[index == 0 && month.len() <= 60] {
                 summary {
                     (name) ": " (grouped(month.len())) @if month.len() == 1 { " session, " } @else { " sessions, " }
@@ -36,9 +38,19 @@ pub(super) fn section(source: &Source) -> Markup {
     }
 }
 
+/// Year and month, UTC.
+fn month_of(at: Instant) -> (i64, i64) {
+    let (year, month, _) = civil_from_day(utc_day(at));
+    (year, month)
+}
+
+fn named((year, month): (i64, i64)) -> String {
+    format!("{year:04}-{month:02}")
+}
+
 fn row(it: &Session) -> Markup {
-    let (start, end) = (second(&it.start_utc), second(&it.end_utc));
-    let same_day = start.get(..10) == end.get(..10);
+    let (start, end) = (second(it.start()), second(it.end()));
+    let same_day = utc_day(it.start()) == utc_day(it.end());
     let (low, high) = psi_range(it);
     let psi = span(low, high, 1);
     html! { tr {

@@ -15,7 +15,7 @@ use super::aem::sampling;
 use super::samples::{Attitudes, Sample, Span, lines, sampled};
 use crate::error::WriteError;
 use crate::timeline::Timeline;
-use ephem::time::format_utc;
+use ephem::time::{civil_from_day, format_utc, utc_day};
 use onboard_core::time::Instant;
 use std::fmt::Write as _;
 use std::io::Write;
@@ -88,11 +88,10 @@ pub fn write_intervals(out: &mut dyn Write, timeline: &Timeline) -> Result<(), W
 
 /// `1 Apr 2032 06:30:00.123456789`, UTC.
 fn gregorian(at: Instant) -> String {
+    let (year, month, day) = civil_from_day(utc_day(at));
+    let month = usize::try_from(month - 1).ok().and_then(|it| MONTHS.get(it)).unwrap_or(&"");
     let text = format_utc(at);
-    let field = |from: usize, until: usize| text.get(from..until).unwrap_or("");
-    let month = field(5, 7).parse::<usize>().ok().and_then(|it| MONTHS.get(it.wrapping_sub(1)));
-    let day = field(8, 10).trim_start_matches('0');
-    format!("{day} {} {} {}", month.unwrap_or(&""), field(0, 4), field(11, 29))
+    format!("{day} {month} {year:04} {}", text.get(11..29).unwrap_or(""))
 }
 
 #[cfg(test)]

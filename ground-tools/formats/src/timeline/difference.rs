@@ -3,6 +3,7 @@
 //! A session with the same id in both plans is kept, or moved where its times differ.
 
 use super::types::{Against, Session, Timeline};
+use onboard_core::time::Instant;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What an earlier plan and this one do not share.
@@ -72,10 +73,10 @@ pub struct Entry {
     pub telescope: String,
     /// Target's name.
     pub target: String,
-    /// Start, setup included, UTC.
-    pub start_utc: String,
-    /// End, cooldown included, UTC.
-    pub end_utc: String,
+    /// Start, setup included.
+    pub start: Instant,
+    /// End, cooldown included.
+    pub end: Instant,
     /// Time with the target in view.
     pub dwell_s: f64,
 }
@@ -94,8 +95,8 @@ fn entry(it: &Session) -> Entry {
         id: it.id.clone(),
         telescope: it.telescope.clone(),
         target: it.target.clone(),
-        start_utc: it.start_utc.clone(),
-        end_utc: it.end_utc.clone(),
+        start: it.start(),
+        end: it.end(),
         dwell_s: it.dwell_s,
     }
 }

@@ -13,6 +13,6 @@ pub use difference::{Difference, Entry, Moved};
 pub use of_plan::timeline;
 pub use types::{
     Against, Constraint, Loosened, Rejected, Session, SessionTransit, Signal, Timeline,
-    TimelineError,
+    TimelineError, Unit,
 };
 pub use words::date;

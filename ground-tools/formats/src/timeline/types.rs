@@ -208,12 +208,46 @@ pub struct Rejected {
 pub struct Constraint {
     /// The rule and its place.
     pub name: String,
+    /// The rule's key in mission files.
+    #[serde(default)]
+    pub rule: String,
+    /// In what use and limit are counted; null for a pure number.
+    #[serde(default)]
+    pub unit: Option<Unit>,
     /// What the schedule uses.
     pub used: f64,
     /// What the rule allows.
     pub limit: f64,
     /// Objective that a small loosening would bring.
     pub shadow_price: f64,
+}
+
+impl Constraint {
+    /// Where the rule holds: its name without rule and unit.
+    #[must_use]
+    pub fn place(&self) -> &str {
+        let place = self.name.strip_prefix(&*self.rule).unwrap_or(&self.name).trim_start();
+        let unit = match self.unit {
+            Some(Unit::Seconds) => " (s)",
+            Some(Unit::Days) => " (days)",
+            Some(Unit::Sessions) | None => "",
+        };
+        place.strip_suffix(unit).unwrap_or(place)
+    }
+}
+
+/// In what the use and the limit of a rule are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Unit {
+    /// Seconds, of reserved time or of producing data.
+    #[serde(rename = "s")]
+    Seconds,
+    /// Days of 86,400 s.
+    #[serde(rename = "days")]
+    Days,
+    /// Sessions.
+    #[serde(rename = "sessions")]
+    Sessions,
 }
 
 /// What giving way in a rule would bring while sessions may be taken in parts.

@@ -1,10 +1,10 @@
 //! The rules and reasons of a schedule in words, with the names of targets and telescopes.
 
-use super::types::{Constraint, Loosened};
+use super::types::{Constraint, Loosened, Unit};
 use ephem::time::format_utc;
 use onboard_core::time::{Duration, Instant};
 use planner::plan::Offered;
-use planner::schedule::{Because, ConstraintUse, Loosening, Rule};
+use planner::schedule::{self, Because, ConstraintUse, Loosening, Rule};
 use planner::world::World;
 
 /// What names the parts of a schedule.
@@ -76,31 +76,44 @@ impl Words<'_> {
     }
 
     pub(super) fn constraint(&self, it: &ConstraintUse) -> Constraint {
-        let name = match it.rule {
-            Rule::Exclusive { telescope: None } => "exclusive all".to_owned(),
+        let (rule, place) = match it.rule {
+            Rule::Exclusive { telescope: None } => ("exclusive", "all".to_owned()),
             Rule::Exclusive { telescope: Some(index) } => {
-                format!("exclusive {} (s)", self.world.mission.telescopes[index].name)
+                ("exclusive", format!("{} (s)", self.world.mission.telescopes[index].name))
             }
-            Rule::Day { day } => format!("max_minutes_per_day {} (s)", self.date(day)),
-            Rule::SessionCount { from } => format!("max_sessions from {}", format_utc(from)),
-            Rule::MinSessions { target, telescope, from } => {
-                format!("min_sessions {} from {}", self.pair(target, telescope), format_utc(from))
-            }
-            Rule::Gap { telescope, from } => format!(
-                "longest_gain_gap {} from {} (days)",
-                self.world.mission.telescopes[telescope].name,
-                format_utc(from)
+            Rule::Day { day } => ("max_minutes_per_day", format!("{} (s)", self.date(day))),
+            Rule::SessionCount { from } => ("max_sessions", format!("from {}", format_utc(from))),
+            Rule::MinSessions { target, telescope, from } => (
+                "min_sessions",
+                format!("{} from {}", self.pair(target, telescope), format_utc(from)),
             ),
-            Rule::Thermal { from } => format!("thermal from {} (s)", format_utc(from)),
+            Rule::Gap { telescope, from } => {
+                let telescope = &self.world.mission.telescopes[telescope].name;
+                ("longest_gain_gap", format!("{telescope} from {} (days)", format_utc(from)))
+            }
+            Rule::Thermal { from } => ("thermal", format!("from {} (s)", format_utc(from))),
             Rule::Memory { from, until } => {
-                format!("data from {} to {} (s)", format_utc(from), format_utc(until))
+                ("data", format!("from {} to {} (s)", format_utc(from), format_utc(until)))
             }
             Rule::ScanAngle { n, target, telescope } => {
-                format!("scan_angle n = {n} {}", self.pair(target, telescope))
+                ("scan_angle", format!("n = {n} {}", self.pair(target, telescope)))
             }
         };
-        Constraint { name, used: it.used, limit: it.limit, shadow_price: it.shadow_price }
+        Constraint {
+            name: format!("{rule} {place}"),
+            rule: rule.to_owned(),
+            unit: match it.unit() {
+                schedule::Unit::Seconds => Some(Unit::Seconds),
+                schedule::Unit::Days => Some(Unit::Days),
+                schedule::Unit::Sessions => Some(Unit::Sessions),
+                schedule::Unit::None => None,
+            },
+            used: it.used,
+            limit: it.limit,
+            shadow_price: it.shadow_price,
+        }
     }
+
     /// `target on TELESCOPE`.
     fn pair(&self, target: usize, telescope: usize) -> String {
         let telescope = &self.world.mission.telescopes[telescope].name;
