@@ -74,9 +74,9 @@ fn refused(rate: &Number, error: SamplingError) -> Failure {
         SamplingError::NotPositive { .. } => {
             format!("--rate {rate}: a rate above 0 Hz is needed")
         }
-        SamplingError::TooSlow { least_hz, .. } => format!(
-            "--rate {rate}: more than two samples per turn are needed, above {least_hz} Hz"
-        ),
+        SamplingError::TooSlow { least_hz, .. } => {
+            format!("--rate {rate}: more than two samples per turn are needed, above {least_hz} Hz")
+        }
         SamplingError::OutOfRange { .. } => {
             format!("--rate {rate}: a rate from 1e-9 to 1e18 Hz is needed")
         }

@@ -1,7 +1,7 @@
 //! The predicted cross-link means against moments of the survey kernel.
 
-use planner::resonance::{Crosslink, Motion, Predictor, Window, mean_of_d};
 use planner::healpix::Nside;
+use planner::resonance::{Crosslink, Motion, Predictor, Window, mean_of_d};
 use planner::survey::{Moment, SurveyStatistics};
 use tests::simulation::{Simulation, UNITS};
 
@@ -52,7 +52,8 @@ fn means_of_the_standard_strategy() {
     }
     agree("192.0825", &Simulation::litebird(192.0825, 128), (9.5, 0.015));
     agree("192", &Simulation::litebird(192.0, 128), (9.5, 0.015));
-    let turned = Simulation { precession_phase_rad: 0.032_724_9, ..Simulation::litebird(192.0, 128) };
+    let turned =
+        Simulation { precession_phase_rad: 0.032_724_9, ..Simulation::litebird(192.0, 128) };
     agree("192 turned", &turned, (9.5, 0.015));
     agree("reversed", &Simulation { spin: -base.spin, ..base }, (9.5, 0.015));
     agree("two years", &Simulation { quarter_days: 2922, ..base }, (9.5, 0.015));

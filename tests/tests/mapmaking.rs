@@ -90,10 +90,7 @@ impl Case {
         let progress = Counted::default();
         let mut maker = MapMaker::new(survey, Arc::clone(sky), self.isa).unwrap();
         maker.collect(0..self.samples, self.threads, &progress, &signal).unwrap();
-        assert_eq!(
-            progress.0.load(Memory::Relaxed),
-            self.samples * self.detectors.len() as u64
-        );
+        assert_eq!(progress.0.load(Memory::Relaxed), self.samples * self.detectors.len() as u64);
         maker.finish()
     }
 }

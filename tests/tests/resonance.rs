@@ -107,7 +107,12 @@ fn other_strategies() {
             140.555,
             0.005,
         ),
-        ("small", Simulation { alpha_deg: 30.0, beta_deg: 60.0, spin: 900 * UNITS, ..base }, 105.0, 0.01),
+        (
+            "small",
+            Simulation { alpha_deg: 30.0, beta_deg: 60.0, spin: 900 * UNITS, ..base },
+            105.0,
+            0.01,
+        ),
         (
             "wide",
             Simulation { alpha_deg: 55.0, beta_deg: 40.0, spin: 1500 * UNITS, ..turned },

@@ -65,11 +65,8 @@ impl Case {
             spin: turning(signed(self.spin_s, self.signs.1), self.phases_rad.1),
         };
         let plate = Some(turning((60, self.plate_rpm), 0.0));
-        let detector = |&rotation| SurveyDetector {
-            rotation,
-            plate: plate.clone(),
-            polarisation_rad: 0.0,
-        };
+        let detector =
+            |&rotation| SurveyDetector { rotation, plate: plate.clone(), polarisation_rad: 0.0 };
         let moment = |&(n, m): &(f64, f64)| Moment::new(n, m).unwrap();
         let survey = Survey {
             scan,

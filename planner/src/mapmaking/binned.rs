@@ -258,7 +258,10 @@ mod tests {
         let arrays = maps.stokes(CONDITION_LIMIT);
         assert_eq!(arrays.iqu().map(|map| map[7].to_bits()), solution.stokes.map(f64::to_bits));
         assert_eq!(arrays.condition()[7].to_bits(), solution.condition.to_bits());
-        assert_eq!((arrays.hits(), arrays.unsolved()), (&[0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0][..], 11));
+        assert_eq!(
+            (arrays.hits(), arrays.unsolved()),
+            (&[0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0][..], 11)
+        );
         assert!(arrays.iqu().iter().all(|map| map[6].is_nan()) && arrays.condition()[6].is_nan());
     }
 

@@ -71,13 +71,11 @@ impl Isa {
             "portable" => Ok(Self::PORTABLE),
             "plain" => Ok(Self::PLAIN),
             #[cfg(target_arch = "x86_64")]
-            "avx512" => V4::try_new()
-                .map(|it| Self(Set::Avx512(it)))
-                .ok_or(IsaError::Missing("avx512")),
-            #[cfg(target_arch = "x86_64")]
-            "avx2" => {
-                V3::try_new().map(|it| Self(Set::Avx2(it))).ok_or(IsaError::Missing("avx2"))
+            "avx512" => {
+                V4::try_new().map(|it| Self(Set::Avx512(it))).ok_or(IsaError::Missing("avx512"))
             }
+            #[cfg(target_arch = "x86_64")]
+            "avx2" => V3::try_new().map(|it| Self(Set::Avx2(it))).ok_or(IsaError::Missing("avx2")),
             #[cfg(not(target_arch = "x86_64"))]
             "avx512" => Err(IsaError::Missing("avx512")),
             #[cfg(not(target_arch = "x86_64"))]

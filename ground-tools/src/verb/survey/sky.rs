@@ -1,8 +1,8 @@
 //! `survey --sky`: what a sky of I, Q, U looks like after the survey's detectors have seen it, binned
 //! into the survey's pixels.
 
+use super::session::{Session, failed, seen_by};
 use super::watch::Watch;
-use super::{Session, failed};
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
 use crate::fits::{
@@ -84,25 +84,17 @@ impl Session<'_> {
         )?;
         let maps = maker.finish();
         let solved = maps.stokes(CONDITION_LIMIT);
-        let (telescope, detector) = super::seen_by(lines);
+        let (telescope, detector) = seen_by(lines);
         if let Some(out) = &self.out {
             let path = beside(out, &format!("{name}-iqu"));
-            let seen_by = who(&telescope, &detector);
-            self.write_stokes(&Sink::File(path.clone()), &solved, &seen_by)?;
+            let who = who(&telescope, &detector);
+            self.write_stokes(&Sink::File(path.clone()), &solved, &who)?;
             files.push(path.display().to_string());
         }
-        Ok(SkyReport {
-            left_out_samples: maps.left_out(),
-            unsolved_pixels: solved.unsolved(),
-        })
+        Ok(SkyReport { left_out_samples: maps.left_out(), unsolved_pixels: solved.unsolved() })
     }
 
-    fn write_stokes(
-        &self,
-        sink: &Sink,
-        maps: &StokesMaps,
-        seen_by: &str,
-    ) -> Result<(), Failure> {
+    fn write_stokes(&self, sink: &Sink, maps: &StokesMaps, seen_by: &str) -> Result<(), Failure> {
         let nested = |pixel: u32| self.nside.nested(self.layout.ordering, pixel) as usize;
         let ([i, q, u], condition) = (maps.iqu(), maps.condition());
         let i = |pixel: u32| i[nested(pixel)];

@@ -337,7 +337,8 @@ mod tests {
     use super::*;
     use crate::healpix::Nside;
     use crate::survey::{
-        BigRational, ExactRotor, MapFrame, SampledScan, SunSource, Survey, SurveyDetector, SurveySun,
+        BigRational, ExactRotor, MapFrame, SampledScan, SunSource, Survey, SurveyDetector,
+        SurveySun,
     };
     use onboard_core::detector::detector_at;
     use onboard_core::phase::Phase;
