@@ -2,8 +2,8 @@
 //! into the survey's pixels.
 
 use super::products::beside;
+use super::session::{Session, failed, seen_by};
 use super::watch::Watch;
-use super::{Session, failed};
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
@@ -84,11 +84,11 @@ impl Session<'_> {
         )?;
         let maps = maker.finish();
         let solved = maps.stokes(CONDITION_LIMIT);
-        let (telescope, detector) = super::seen_by(lines);
+        let (telescope, detector) = seen_by(lines);
         if let Some(out) = &self.out {
             let path = beside(out, &format!("{name}-iqu"));
-            let seen_by = who(&telescope, &detector);
-            self.write_stokes(&Sink::File(path.clone()), &solved, &seen_by)?;
+            let who = who(&telescope, &detector);
+            self.write_stokes(&Sink::File(path.clone()), &solved, &who)?;
             files.push(path.display().to_string());
         }
         Ok(SkyReport { left_out_samples: maps.left_out(), unsolved_pixels: solved.unsolved() })
