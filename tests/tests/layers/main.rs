@@ -79,14 +79,14 @@ const LIMITS: &[Limit] = &[
     Limit {
         what: "lines below ground-tools/src",
         measured: || vec![("ground-tools/src".into(), lines_below("ground-tools/src"))],
-        at_most: 25_500,
+        at_most: 25_400,
         goal: 12_000,
         reason: "the command's crate holds what a person types and reads, not what is computed",
     },
     Limit {
         what: "rooms of ground-tools/src",
         measured: || vec![("ground-tools/src".into(), rooms("ground-tools/src").len())],
-        at_most: 52,
+        at_most: 46,
         goal: 12,
         reason: "a newcomer finds the place for a change by the names at the top",
     },
