@@ -13,13 +13,13 @@ mod sky;
 use super::{mission, warn};
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
-use planner::provenance::Provenance;
-use planner::opportunities::{SightLine, select};
-use planner::survey::input::SurveyInput;
-use products::{Layout, Pictures, tracks};
-use planner::world::{Tables, World};
 use planner::healpix::Ordering;
+use planner::opportunities::{SightLine, select};
+use planner::provenance::Provenance;
+use planner::survey::input::SurveyInput;
 use planner::survey::{MapFrame, SunSource, SunTable, SurveySun, map_bytes};
+use planner::world::{Tables, World};
+use products::{Layout, Pictures, tracks};
 use session::Session;
 use std::sync::Arc;
 use watch::Watch;
@@ -47,8 +47,8 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let rate = options::rate(arguments, &world)?;
     options::check_plates(&world, &lines, &moments)?;
     warn(shared, &options::slow_sampling(&world, &lines, &rate));
-    let input = SurveyInput::new(&world, &lines, &rate)
-        .map_err(|error| options::refused(&rate, error))?;
+    let input =
+        SurveyInput::new(&world, &lines, &rate).map_err(|error| options::refused(&rate, error))?;
     let snapshots = options::snapshots(arguments, &world, &input)?;
     let frame = if arguments.galactic { MapFrame::Galactic } else { MapFrame::Ecliptic };
     let ordering = if arguments.nested { Ordering::Nested } else { Ordering::Ring };

@@ -1,23 +1,23 @@
 //! One command's surveys: each map collected, looked at on the way, written, reported.
 
 use super::super::{print_json, tell};
+use super::products::{Layout, Pictures, beside, write_fits};
 use super::watch::Watch;
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
 use crate::output::Sink;
-use planner::provenance::Provenance;
-use planner::opportunities::{NONE, SightLine};
-use planner::survey::input::SurveyInput;
-use super::products::{Layout, Pictures, beside, write_fits};
 use formats::survey::{MapReport, Snapshot, Summary, SurveyReport, text, who};
-use planner::world::World;
 use onboard_core::time::Duration;
 use planner::healpix::Nside;
 use planner::mapmaking::Sky;
+use planner::opportunities::{NONE, SightLine};
+use planner::provenance::Provenance;
+use planner::survey::input::SurveyInput;
 use planner::survey::{
     Collector, Isa, Moment, Survey, SurveyDetector, SurveyError, SurveyMaps, SurveyStatistics,
     SurveySun, Sweeping,
 };
+use planner::world::World;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
