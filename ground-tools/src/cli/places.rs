@@ -4,9 +4,8 @@
 //!
 //! Limits: a direction on an edge of pixels belongs to the one that \[Gorski2005\]'s integer parts name.
 
+use super::quantities::angles_deg;
 use crate::failure::Failure;
-use mission::number::nearest;
-use mission::quantity;
 use onboard_core::direction::Direction;
 use onboard_core::frame::Ecliptic;
 use planner::healpix::{Nside, Ordering};
@@ -147,31 +146,8 @@ pub fn direction(text: &str, frame: MapFrame) -> Result<FixedPlace, Failure> {
 
 /// Two angles with their units, in degrees.
 fn pair(option: &str, text: &str, (first, second): (&str, &str)) -> Result<(f64, f64), Failure> {
-    let [one, other] = angles(option, text, [first, second])?;
+    let [one, other] = angles_deg(option, text, [first, second])?;
     Ok((one, other))
-}
-
-/// Angles with their units and commas between, in degrees.
-///
-/// # Errors
-/// [`Failure::Input`] names the option and what is wrong with its text.
-pub(crate) fn angles<const N: usize>(
-    option: &str,
-    text: &str,
-    names: [&str; N],
-) -> Result<[f64; N], Failure> {
-    let wrong = |what: String| Failure::Input(format!("{option} {text}: {what}"));
-    let parts: Vec<&str> = text.split(',').collect();
-    let parts: [&str; N] = parts.try_into().map_err(|_| {
-        let (last, first) = names.split_last().unwrap_or((&"", &[]));
-        wrong(format!("{} and {last} with commas between are needed", first.join(", ")))
-    })?;
-    let mut angles = [0.0; N];
-    for (angle, part) in angles.iter_mut().zip(parts) {
-        let exact = quantity::degrees(part).map_err(|error| wrong(error.to_string()))?;
-        *angle = nearest(&exact);
-    }
-    Ok(angles)
 }
 
 #[cfg(test)]

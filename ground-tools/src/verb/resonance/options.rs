@@ -1,8 +1,8 @@
 //! The options of `resonance`, checked: a sentence for each that is not legal.
 
+use crate::cli::quantities::angle_rad;
 use crate::cli::{ActuatorArgs, ResonanceArgs};
 use crate::failure::Failure;
-use crate::verb::table::angle;
 use formats::resonance::minutes;
 use mission::number::{Number, nearest};
 use mission::quantity;
@@ -23,7 +23,7 @@ const SPIN_STEPS: i64 = 10;
 
 pub(super) fn window(arguments: &ResonanceArgs) -> Result<Window, Failure> {
     if let Some(text) = &arguments.fwhm {
-        return Window::beam(angle("--fwhm", text)?)
+        return Window::beam(angle_rad("--fwhm", text)?)
             .map_err(|error| Failure::Input(format!("--fwhm {text}: {error}")));
     }
     let nside = arguments.nside.unwrap_or(NSIDE);

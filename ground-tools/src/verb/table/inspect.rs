@@ -1,9 +1,10 @@
 //! `gyrfalcon table inspect`: what a container, a clock correlation or a rollback order holds.
 
-use super::{avoidance_told, hex, load, name, read};
+use super::container::{load, read};
+use super::words::{avoidance_told, hex, name};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
-use crate::verb::{print_json, tell};
+use crate::verb::told::{print_json, tell};
 use ephem::time::format_tdb;
 use formats::uplink::span_told;
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};

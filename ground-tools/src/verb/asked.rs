@@ -1,0 +1,19 @@
+//! The mission of the command line, and the sky that it flies in.
+
+use super::told::warn;
+use crate::cli::{self, SharedArgs};
+use crate::failure::Failure;
+use mission::Mission;
+use planner::world::World;
+
+/// The mission of the command line, its warnings told.
+pub(super) fn mission(shared: &SharedArgs) -> Result<Mission, Failure> {
+    let mission = cli::mission(shared)?;
+    warn(shared, &mission.warnings);
+    Ok(mission)
+}
+
+/// The mission of the command line among the planets.
+pub(super) fn world(shared: &SharedArgs) -> Result<World, Failure> {
+    Ok(World::open(mission(shared)?, shared.ephemeris.as_deref())?)
+}
