@@ -77,7 +77,7 @@ impl Numbering {
     /// # Errors
     /// [`Failure::Input`] names what is wrong with the text.
     pub fn holding(self, text: &str) -> Result<FixedPlace, Failure> {
-        let (theta, phi) = pair("--theta-phi", text, ("colatitude", "longitude"))?;
+        let [theta, phi] = angles_deg("--theta-phi", text, ["colatitude", "longitude"])?;
         if !(0.0..=180.0).contains(&theta) {
             return Err(Failure::Input(format!(
                 "--theta-phi {text}: a colatitude from 0 to 180 deg is needed"
@@ -123,7 +123,7 @@ const fn frame_suffix(frame: MapFrame) -> &'static str {
 /// # Errors
 /// [`Failure::Input`] names what is wrong with the text.
 pub fn direction(text: &str, frame: MapFrame) -> Result<FixedPlace, Failure> {
-    let (longitude, latitude) = pair("--direction", text, ("longitude", "latitude"))?;
+    let [longitude, latitude] = angles_deg("--direction", text, ["longitude", "latitude"])?;
     if latitude.abs() > 90.0 {
         return Err(Failure::Input(format!(
             "--direction {text}: a latitude from -90 to 90 deg is needed"
@@ -142,12 +142,6 @@ pub fn direction(text: &str, frame: MapFrame) -> Result<FixedPlace, Failure> {
         name: format!("direction:{text}{}", frame_suffix(frame)),
         shape: PlaceShape::Direction(there),
     })
-}
-
-/// Two angles with their units, in degrees.
-fn pair(option: &str, text: &str, (first, second): (&str, &str)) -> Result<(f64, f64), Failure> {
-    let [one, other] = angles_deg(option, text, [first, second])?;
-    Ok((one, other))
 }
 
 #[cfg(test)]

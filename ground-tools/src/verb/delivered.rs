@@ -10,9 +10,7 @@ use serde::Serialize;
 
 /// Where rows go.
 pub(super) fn sink(shared: &SharedArgs) -> Sink {
-    shared.out.as_ref().map_or(Sink::Stdout, |path| {
-        if path.as_os_str() == "-" { Sink::Stdout } else { Sink::File(path.clone()) }
-    })
+    shared.out.as_deref().map_or(Sink::Stdout, Sink::at)
 }
 
 /// Rows go to `--out` or standard output; with `--json` a summary goes to standard output, and rows

@@ -6,22 +6,22 @@
 
 mod options;
 mod watch;
-mod files;
 mod pictures;
 mod sky;
 mod session;
 
-use super::asked::world;
+use super::asked::{sun_table, world};
 use super::told::warn;
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
-use files::Layout;
+use crate::output::Sink;
+use formats::maps::Layout;
 use pictures::{Pictures, tracks};
 use planner::healpix::Ordering;
 use planner::opportunities::SightLine;
 use planner::provenance::Provenance;
 use planner::survey::input::SurveyInput;
-use planner::survey::{MapFrame, SunSource, SunTable, SurveySun, map_bytes};
+use planner::survey::{MapFrame, SunSource, SurveySun, map_bytes};
 use planner::world::Tables;
 use session::Session;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let isa = options::isa()?;
     let patches = options::patches(&arguments.patch)?;
     let step = options::step(arguments)?;
-    if shared.json && shared.out.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+    if shared.json && shared.out.as_deref().map(Sink::at) == Some(Sink::Stdout) {
         return Err(Failure::Input(
             "--json and --out -: standard output takes one of the two; name a file".to_owned(),
         ));
@@ -62,12 +62,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let table = tables.as_ref().map(Tables::parse).transpose()?;
     let source = match (&input.circular_sun, &tables) {
         (Some(longitude), _) => SunSource::Circular(longitude.clone()),
-        (None, Some(tables)) => {
-            let table = SunTable::new(tables.fitted.bytes.as_slice());
-            SunSource::Table(
-                table.map_err(|error| Failure::internal(format!("the fitted table: {error:?}")))?,
-            )
-        }
+        (None, Some(tables)) => SunSource::Table(sun_table(tables)?),
         (None, None) => return Err(Failure::internal("neither a circular Sun nor a table")),
     };
     let drawn = match table {

@@ -1,13 +1,12 @@
 //! The maps of one `survey`: collected, with their snapshots, and written.
 
-use super::files::{Layout, beside, write_fits};
 use super::pictures::Pictures;
-use super::sky;
 use super::watch::{Watch, failed};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
 use crate::output::Sink;
 use crate::verb::told::{print_json, tell};
+use formats::maps::{Layout, write_stokes, write_survey};
 use formats::survey::{MapReport, SkyReport, Snapshot, Summary, SurveyReport, text, who};
 use onboard_core::time::Duration;
 use planner::healpix::Nside;
@@ -22,7 +21,7 @@ use planner::survey::{
 use planner::world::World;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Mean orbital rate for the scan-beam angle: 360 deg in 365.25 d.
@@ -69,7 +68,7 @@ impl Session<'_> {
                 files,
                 provenance: &self.provenance,
             })
-        } else if shared.out.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        } else if self.out.as_deref().map(Sink::at) == Some(Sink::Stdout) {
             Ok(())
         } else {
             let mut told = text(&self.title(), reports);
@@ -172,15 +171,19 @@ impl Session<'_> {
         let suffix = suffix.as_str();
         let after = after.map_or(String::new(), |after| format!(", after {after}"));
         if let Some(path) = &self.out {
-            let to_stdout = path.as_os_str() == "-";
-            if !to_stdout || suffix.is_empty() {
-                let path = beside(path, suffix);
-                let sink = if to_stdout { Sink::Stdout } else { Sink::File(path.clone()) };
-                let seen_by = who(telescope, detector);
-                write_fits(&sink, maps, self.layout, &self.provenance, &seen_by)?;
-                if !to_stdout {
-                    files.push(path.display().to_string());
-                }
+            let seen_by = who(telescope, detector);
+            let sink = match Sink::at(path) {
+                Sink::File(path) => Sink::File(beside(&path, suffix)),
+                Sink::Stdout => Sink::Stdout,
+            };
+            // Standard output takes one map.
+            if sink != Sink::Stdout || suffix.is_empty() {
+                sink.write_with(|out| {
+                    write_survey(out, maps, self.layout, (&self.provenance, &seen_by))
+                })?;
+            }
+            if let Sink::File(path) = sink {
+                files.push(path.display().to_string());
             }
         }
         let title = format!("{}, {}{}", self.title(), who(telescope, detector), after);
@@ -212,7 +215,8 @@ impl Session<'_> {
         if let Some(out) = &self.out {
             let path = beside(out, &format!("{name}-iqu"));
             let origin = (&self.provenance, seen_by);
-            sky::write(&Sink::File(path.clone()), &solved, (self.nside, self.layout), origin)?;
+            Sink::File(path.clone())
+                .write_with(|out| write_stokes(out, &solved, (self.nside, self.layout), origin))?;
             files.push(path.display().to_string());
         }
         Ok(SkyReport { left_out_samples: maps.left_out(), unsolved_pixels: solved.unsolved() })
@@ -241,4 +245,12 @@ fn seen_by(lines: &[SightLine]) -> (String, String) {
         }
         [] => (NONE.to_owned(), NONE.to_owned()),
     }
+}
+
+/// `maps.fits` with a part before its extension: `maps-1d.fits`.
+fn beside(path: &Path, suffix: &str) -> PathBuf {
+    let stem = path.file_stem().map_or(String::new(), |it| it.to_string_lossy().into_owned());
+    let extension =
+        path.extension().map_or(String::new(), |it| format!(".{}", it.to_string_lossy()));
+    path.with_file_name(format!("{stem}{suffix}{extension}"))
 }

@@ -1,17 +1,10 @@
-//! `survey --sky`: a sky of I, Q, U as it is read, and as the survey's detectors make a map of it,
-//! binned into the survey's pixels.
+//! `survey --sky`: the sky of I, Q, U that the survey's detectors look at.
 
-use super::files::Layout;
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
-use crate::output::Sink;
-use formats::fits::{
-    Column, FitsError, Frames, MapFrame, MapHeader, Polcconv, StokesMap, Values, read_stokes,
-    write_maps,
-};
+use formats::fits::{FitsError, Frames, MapFrame, StokesMap, read_stokes};
 use planner::healpix::Nside;
-use planner::mapmaking::{PolarisationConvention, Sky, SkyMap, StokesMaps, map_bytes};
-use planner::provenance::Provenance;
+use planner::mapmaking::{PolarisationConvention, Sky, SkyMap, map_bytes};
 use planner::survey::MapFrame as SurveyFrame;
 use std::path::Path;
 
@@ -55,30 +48,4 @@ fn read(path: &Path, unsaid: Option<MapFrame>) -> Result<Sky, Failure> {
 /// Bytes that observing a sky takes beside the survey's maps.
 pub(super) fn bytes(nside: Nside) -> u64 {
     map_bytes(nside) + u64::from(nside.pixels()) * size_of::<[f64; 5]>() as u64
-}
-
-/// Writes I, Q and U with the condition and the hits of each pixel.
-pub(super) fn write(
-    sink: &Sink,
-    maps: &StokesMaps,
-    (nside, layout): (Nside, Layout),
-    origin: (&Provenance, &str),
-) -> Result<(), Failure> {
-    let nested = |pixel: u32| nside.nested(layout.ordering, pixel) as usize;
-    let ([i, q, u], condition) = (maps.iqu(), maps.condition());
-    let i = |pixel: u32| i[nested(pixel)];
-    let q = |pixel: u32| q[nested(pixel)];
-    let u = |pixel: u32| u[nested(pixel)];
-    let condition = |pixel: u32| condition[nested(pixel)];
-    let hits = |pixel: u32| i64::try_from(maps.hits()[nested(pixel)]).unwrap_or(i64::MAX);
-    let columns = [
-        Column { name: "I_STOKES", unit: "", values: Values::Double(&i) },
-        Column { name: "Q_STOKES", unit: "", values: Values::Double(&q) },
-        Column { name: "U_STOKES", unit: "", values: Values::Double(&u) },
-        Column { name: "CONDITION", unit: "", values: Values::Double(&condition) },
-        Column { name: "HITS", unit: "samples", values: Values::Integer(&hits) },
-    ];
-    let header = layout.header((nside, "STOKES"), origin);
-    let header = MapHeader { polcconv: Some(Polcconv::Cosmo), ..header };
-    sink.write_with(|out| write_maps(out, &header, &columns))
 }

@@ -38,7 +38,7 @@ pub(super) fn run(
         Contents { world: &world, ephemeris: &tables.fitted.bytes, sessions: None, sequence };
     let bytes = contents.to_bytes()?;
     let path = shared.out.clone().unwrap_or_else(|| DEFAULT_FILE.into());
-    let sink = if path.as_os_str() == "-" { Sink::Stdout } else { Sink::File(path.clone()) };
+    let sink = Sink::at(&path);
     sink.write(&bytes)?;
     let rows = tables.fitted.bodies.iter().map(|it| {
         json!({
@@ -51,18 +51,15 @@ pub(super) fn run(
             "max_error_mas": it.max_error_rad / MILLIARCSECOND_RAD,
         })
     });
+    if sink == Sink::Stdout {
+        return Ok(());
+    }
     if shared.json {
-        if sink == Sink::Stdout {
-            return Ok(());
-        }
         return print_json(&json!({
             "bytes": bytes.len(),
             "ephemeris_bytes": tables.fitted.bytes.len(),
             "bodies": rows.collect::<Vec<Value>>(),
         }));
-    }
-    if sink == Sink::Stdout {
-        return Ok(());
     }
     let mut text = format!(
         "{}: {} bytes, of which ephemeris {}\n\n{:<18} {:>8} {:>6} {:>7} {:>14}\n",

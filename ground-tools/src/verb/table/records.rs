@@ -77,10 +77,11 @@ pub(super) fn rollback(
 
 fn write(shared: &SharedArgs, default: &str, bytes: &[u8]) -> Result<(), Failure> {
     let path = shared.out.clone().unwrap_or_else(|| default.into());
-    if path.as_os_str() == "-" {
-        return Sink::Stdout.write(bytes);
+    let sink = Sink::at(&path);
+    sink.write(bytes)?;
+    if sink == Sink::Stdout {
+        return Ok(());
     }
-    Sink::File(path.clone()).write(bytes)?;
     tell(shared, &format!("written to {}: {} bytes\n", path.display(), bytes.len()))
 }
 

@@ -6,7 +6,7 @@
 
 mod figures;
 
-use super::asked::world;
+use super::asked::{sun_table, world};
 use super::delivered::sink;
 use super::told::{print_json, tell};
 use crate::cli::places::{FixedPlace, Numbering, PlaceShape, direction};
@@ -26,7 +26,7 @@ use onboard_core::time::{Duration, Instant};
 use planner::opportunities::SightLine;
 use planner::opportunities::search;
 use planner::provenance::Provenance;
-use planner::survey::{MapFrame, SunTable};
+use planner::survey::MapFrame;
 use planner::visits::{
     Counting, LineOfSight, Sampling, Sun, Visit, VisitStatistics, Wait, sampled, waits,
 };
@@ -228,9 +228,7 @@ fn place_visits<'v>(
 ) -> Result<Vec<Visited<'v>>, Failure> {
     let sun = match world.circular_sun {
         Some(longitude) => Sun::Circular(longitude),
-        None => SunTable::new(tables.fitted.bytes.as_slice())
-            .map(Sun::Table)
-            .map_err(|error| Failure::internal(format!("the fitted table: {error:?}")))?,
+        None => Sun::Table(sun_table(tables)?),
     };
     let pairs: Vec<(&FixedPlace, &SightLine)> =
         places.iter().flat_map(|place| lines.iter().map(move |line| (place, line))).collect();

@@ -1,16 +1,18 @@
-//! Maps of a survey in FITS, and what their files are called.
+//! Maps of a survey as FITS: hits and cross-link moments, or I, Q and U.
+//!
+//! Who looked stands in `DETECTOR`, where the maps come from in the provenance's cards.
 
-use crate::failure::Failure;
-use crate::output::Sink;
-use formats::fits::{Card, Column, MapHeader, Values, provenance_cards, write_maps};
+use crate::error::WriteError;
+use crate::fits::{Card, Column, MapHeader, Polcconv, Values, provenance_cards, write_maps};
 use planner::healpix::{Nside, Ordering};
+use planner::mapmaking::StokesMaps;
 use planner::provenance::Provenance;
 use planner::survey::{MapFrame, Moment, SurveyMaps};
-use std::path::{Path, PathBuf};
+use std::io::Write;
 
 /// How pixels of files are numbered, and in which frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Layout {
+pub struct Layout {
     /// RING or NESTED.
     pub ordering: Ordering,
     /// Ecliptic or galactic.
@@ -19,7 +21,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// What a file of maps says of itself.
-    pub(super) fn header(
+    fn header(
         self,
         (nside, name): (Nside, &str),
         (provenance, seen_by): (&Provenance, &str),
@@ -49,14 +51,13 @@ type MomentColumns<'v> = [Box<dyn Fn(u32) -> f64 + 'v>; 3];
 /// Writes hits, then abs(h)^2, real and imaginary part of each moment.
 ///
 /// # Errors
-/// [`Failure::Input`] names the path and what the system said.
-pub(super) fn write_fits(
-    sink: &Sink,
+/// What `out` failed with.
+pub fn write_survey(
+    out: &mut dyn Write,
     maps: &SurveyMaps,
     layout: Layout,
-    provenance: &Provenance,
-    seen_by: &str,
-) -> Result<(), Failure> {
+    origin: (&Provenance, &str),
+) -> Result<(), WriteError> {
     let nside = maps.nside();
     let nested = |pixel: u32| nside.nested(layout.ordering, pixel);
     let hits = |pixel: u32| i64::try_from(maps.hits(nested(pixel))).unwrap_or(i64::MAX);
@@ -84,15 +85,35 @@ pub(super) fn write_fits(
             columns.push(Column { name, unit: "", values: Values::Double(values) });
         }
     }
-    let header = layout.header((nside, "SURVEY"), (provenance, seen_by));
-    sink.write_with(|out| write_maps(out, &header, &columns))
+    let header = layout.header((nside, "SURVEY"), origin);
+    write_maps(out, &header, &columns)
 }
 
-/// `maps.fits` with a part before its extension: `maps-1d.fits`.
-#[must_use]
-pub(super) fn beside(path: &Path, suffix: &str) -> PathBuf {
-    let stem = path.file_stem().map_or(String::new(), |it| it.to_string_lossy().into_owned());
-    let extension =
-        path.extension().map_or(String::new(), |it| format!(".{}", it.to_string_lossy()));
-    path.with_file_name(format!("{stem}{suffix}{extension}"))
+/// Writes I, Q and U with the condition and the hits of each pixel.
+///
+/// # Errors
+/// What `out` failed with.
+pub fn write_stokes(
+    out: &mut dyn Write,
+    maps: &StokesMaps,
+    (nside, layout): (Nside, Layout),
+    origin: (&Provenance, &str),
+) -> Result<(), WriteError> {
+    let nested = |pixel: u32| nside.nested(layout.ordering, pixel) as usize;
+    let ([i, q, u], condition) = (maps.iqu(), maps.condition());
+    let i = |pixel: u32| i[nested(pixel)];
+    let q = |pixel: u32| q[nested(pixel)];
+    let u = |pixel: u32| u[nested(pixel)];
+    let condition = |pixel: u32| condition[nested(pixel)];
+    let hits = |pixel: u32| i64::try_from(maps.hits()[nested(pixel)]).unwrap_or(i64::MAX);
+    let columns = [
+        Column { name: "I_STOKES", unit: "", values: Values::Double(&i) },
+        Column { name: "Q_STOKES", unit: "", values: Values::Double(&q) },
+        Column { name: "U_STOKES", unit: "", values: Values::Double(&u) },
+        Column { name: "CONDITION", unit: "", values: Values::Double(&condition) },
+        Column { name: "HITS", unit: "samples", values: Values::Integer(&hits) },
+    ];
+    let header = layout.header((nside, "STOKES"), origin);
+    let header = MapHeader { polcconv: Some(Polcconv::Cosmo), ..header };
+    write_maps(out, &header, &columns)
 }
