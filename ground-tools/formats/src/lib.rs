@@ -9,6 +9,7 @@ mod error;
 pub mod degrees;
 pub mod rows;
 pub mod fits;
+pub mod maps;
 pub mod resonance;
 pub mod visits;
 pub mod survey;

@@ -4,9 +4,11 @@
 mod samples;
 mod aem;
 mod stk;
+mod spice_error;
 mod spice;
 
 pub use aem::{BodyFrame, Message, Notation};
 pub use samples::{Attitudes, Motion, Sample, Span, Step, StepError, lines, sampled, turned};
-pub use spice::{Kernels, SpiceError};
+pub use spice::Kernels;
+pub use spice_error::SpiceError;
 pub use stk::{write_attitude as write_stk_attitude, write_intervals as write_stk_intervals};

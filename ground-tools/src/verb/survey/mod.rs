@@ -5,21 +5,24 @@
 //! keeps the snapshots.
 
 mod options;
-mod products;
 mod watch;
-mod session;
+mod pictures;
 mod sky;
+mod session;
 
-use super::{mission, warn};
+use super::asked::{sun_table, world};
+use super::told::warn;
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
+use crate::output::Sink;
+use formats::maps::Layout;
+use pictures::{Pictures, tracks};
 use planner::healpix::Ordering;
-use planner::opportunities::{SightLine, select};
+use planner::opportunities::SightLine;
 use planner::provenance::Provenance;
 use planner::survey::input::SurveyInput;
-use planner::survey::{MapFrame, SunSource, SunTable, SurveySun, map_bytes};
-use planner::world::{Tables, World};
-use products::{Layout, Pictures, tracks};
+use planner::survey::{MapFrame, SunSource, SurveySun, map_bytes};
+use planner::world::Tables;
 use session::Session;
 use std::sync::Arc;
 use watch::Watch;
@@ -30,20 +33,19 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let isa = options::isa()?;
     let patches = options::patches(&arguments.patch)?;
     let step = options::step(arguments)?;
-    if shared.json && shared.out.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+    if shared.json && shared.out.as_deref().map(Sink::at) == Some(Sink::Stdout) {
         return Err(Failure::Input(
             "--json and --out -: standard output takes one of the two; name a file".to_owned(),
         ));
     }
 
     let sky = sky::asked(shared, arguments)?;
-    let mut world = World::open(mission(shared)?, shared.ephemeris.as_deref())?;
+    let mut world = world(shared)?;
     world.avoided.clear();
     if !arguments.tracks {
         world.targets.clear();
     }
-    let lines =
-        select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
+    let lines = arguments.sight.lines(&world.mission)?;
     let rate = options::rate(arguments, &world)?;
     options::check_plates(&world, &lines, &moments)?;
     warn(shared, &options::slow_sampling(&world, &lines, &rate));
@@ -60,12 +62,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let table = tables.as_ref().map(Tables::parse).transpose()?;
     let source = match (&input.circular_sun, &tables) {
         (Some(longitude), _) => SunSource::Circular(longitude.clone()),
-        (None, Some(tables)) => {
-            let table = SunTable::new(tables.fitted.bytes.as_slice());
-            SunSource::Table(
-                table.map_err(|error| Failure::internal(format!("the fitted table: {error:?}")))?,
-            )
-        }
+        (None, Some(tables)) => SunSource::Table(sun_table(tables)?),
         (None, None) => return Err(Failure::internal("neither a circular Sun nor a table")),
     };
     let drawn = match table {
@@ -91,8 +88,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
         threads: options::threads(arguments.threads, nside, moments.len(), besides)?,
         snapshots: &snapshots,
         pictures: Pictures {
-            png: arguments.png.clone(),
-            svg: arguments.svg.clone(),
+            folders: arguments.figures.folders(),
             patches,
             tracks: drawn,
             log: arguments.log,

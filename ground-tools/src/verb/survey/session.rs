@@ -1,15 +1,16 @@
-//! One command's surveys: each map collected, looked at on the way, written, reported.
+//! The maps of one `survey`: collected, with their snapshots, and written.
 
-use super::super::{print_json, tell};
-use super::products::{Layout, Pictures, beside, write_fits};
-use super::watch::Watch;
+use super::pictures::Pictures;
+use super::watch::{Watch, failed};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
 use crate::output::Sink;
-use formats::survey::{MapReport, Snapshot, Summary, SurveyReport, text, who};
+use crate::verb::told::{print_json, tell};
+use formats::maps::{Layout, write_stokes, write_survey};
+use formats::survey::{MapReport, SkyReport, Snapshot, Summary, SurveyReport, text, who};
 use onboard_core::time::Duration;
 use planner::healpix::Nside;
-use planner::mapmaking::Sky;
+use planner::mapmaking::{CONDITION_LIMIT, MapMaker, Sample, Sky};
 use planner::opportunities::{NONE, SightLine};
 use planner::provenance::Provenance;
 use planner::survey::input::SurveyInput;
@@ -20,7 +21,7 @@ use planner::survey::{
 use planner::world::World;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Mean orbital rate for the scan-beam angle: 360 deg in 365.25 d.
@@ -28,20 +29,20 @@ const ORBIT_RAD_S: f64 = TAU / 31_557_600.0;
 
 /// All that does not change between the maps of one command.
 pub(super) struct Session<'w> {
-    pub(super) world: &'w World,
-    pub(super) input: &'w SurveyInput,
-    pub(super) sun: SurveySun,
-    pub(super) nside: Nside,
-    pub(super) moments: &'w [Moment],
-    pub(super) layout: Layout,
-    pub(super) isa: Isa,
-    pub(super) threads: usize,
-    pub(super) snapshots: &'w [(String, Duration, u64)],
-    pub(super) pictures: Pictures,
-    pub(super) out: Option<PathBuf>,
-    pub(super) provenance: Provenance,
-    pub(super) rate_hz: f64,
-    pub(super) sky: Option<Arc<Sky>>,
+    pub world: &'w World,
+    pub input: &'w SurveyInput,
+    pub sun: SurveySun,
+    pub nside: Nside,
+    pub moments: &'w [Moment],
+    pub layout: Layout,
+    pub isa: Isa,
+    pub threads: usize,
+    pub snapshots: &'w [(String, Duration, u64)],
+    pub pictures: Pictures<'w>,
+    pub out: Option<PathBuf>,
+    pub provenance: Provenance,
+    pub rate_hz: f64,
+    pub sky: Option<Arc<Sky>>,
 }
 
 impl Session<'_> {
@@ -50,7 +51,7 @@ impl Session<'_> {
         format!("{}: survey of {days} d at {} Hz", self.world.mission.name, self.rate_hz)
     }
 
-    /// Prints the summary or the text.
+    /// Tells the reports.
     pub(super) fn deliver(
         &self,
         shared: &SharedArgs,
@@ -67,7 +68,7 @@ impl Session<'_> {
                 files,
                 provenance: &self.provenance,
             })
-        } else if shared.out.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        } else if self.out.as_deref().map(Sink::at) == Some(Sink::Stdout) {
             Ok(())
         } else {
             let mut told = text(&self.title(), reports);
@@ -117,7 +118,10 @@ impl Session<'_> {
         let sky = self
             .sky
             .as_ref()
-            .map(|sky| self.observe(survey, (lines, sky, &name), watch, files))
+            .map(|sky| {
+                let seen_by = who(&telescope, &detector);
+                self.observe(survey, (sky, &name, &seen_by), watch, files)
+            })
             .transpose()?;
         let amplitude = detectors
             .par_iter()
@@ -167,20 +171,55 @@ impl Session<'_> {
         let suffix = suffix.as_str();
         let after = after.map_or(String::new(), |after| format!(", after {after}"));
         if let Some(path) = &self.out {
-            let to_stdout = path.as_os_str() == "-";
-            if !to_stdout || suffix.is_empty() {
-                let path = beside(path, suffix);
-                let sink = if to_stdout { Sink::Stdout } else { Sink::File(path.clone()) };
-                let seen_by = who(telescope, detector);
-                write_fits(&sink, maps, self.layout, &self.provenance, &seen_by)?;
-                if !to_stdout {
-                    files.push(path.display().to_string());
-                }
+            let seen_by = who(telescope, detector);
+            let sink = match Sink::at(path) {
+                Sink::File(path) => Sink::File(beside(&path, suffix)),
+                Sink::Stdout => Sink::Stdout,
+            };
+            // Standard output takes one map.
+            if sink != Sink::Stdout || suffix.is_empty() {
+                sink.write_with(|out| {
+                    write_survey(out, maps, self.layout, (&self.provenance, &seen_by))
+                })?;
+            }
+            if let Sink::File(path) = sink {
+                files.push(path.display().to_string());
             }
         }
         let title = format!("{}, {}{}", self.title(), who(telescope, detector), after);
         files.extend(self.pictures.write(maps, self.layout.frame, (&title, suffix))?);
         Ok(())
+    }
+
+    /// Lets the survey's detectors look at `sky`, and writes what they make of it beside `--out`.
+    fn observe(
+        &self,
+        survey: Survey,
+        (sky, name, seen_by): (&Arc<Sky>, &str, &str),
+        watch: &Watch,
+        files: &mut Vec<String>,
+    ) -> Result<SkyReport, Failure> {
+        let mut maker = MapMaker::new(survey, Arc::clone(sky), self.isa).map_err(failed)?;
+        let samples = 0..self.input.samples;
+        maker.collect(samples, self.threads, watch, &Sample::signal).map_err(
+            |error| match error {
+                SurveyError::Stopped => Failure::Check(format!(
+                    "interrupted while the sky was observed; these are written: {}",
+                    files.join(", ")
+                )),
+                other => failed(other),
+            },
+        )?;
+        let maps = maker.finish();
+        let solved = maps.stokes(CONDITION_LIMIT);
+        if let Some(out) = &self.out {
+            let path = beside(out, &format!("{name}-iqu"));
+            let origin = (&self.provenance, seen_by);
+            Sink::File(path.clone())
+                .write_with(|out| write_stokes(out, &solved, (self.nside, self.layout), origin))?;
+            files.push(path.display().to_string());
+        }
+        Ok(SkyReport { left_out_samples: maps.left_out(), unsolved_pixels: solved.unsolved() })
     }
 
     fn sweeping(&self, detector: &SurveyDetector) -> Sweeping {
@@ -195,16 +234,8 @@ impl Session<'_> {
     }
 }
 
-/// What a survey cannot have on checked input.
-pub(super) fn failed(error: SurveyError) -> Failure {
-    match error {
-        SurveyError::Ephemeris(error) => Failure::internal(format!("{error:?}")),
-        other => Failure::internal(other),
-    }
-}
-
 /// Telescope and detector of a map.
-pub(super) fn seen_by(lines: &[SightLine]) -> (String, String) {
+fn seen_by(lines: &[SightLine]) -> (String, String) {
     match lines {
         [only] => (only.telescope_name.clone(), only.detector_name.clone()),
         [first, rest @ ..] => {
@@ -214,4 +245,12 @@ pub(super) fn seen_by(lines: &[SightLine]) -> (String, String) {
         }
         [] => (NONE.to_owned(), NONE.to_owned()),
     }
+}
+
+/// `maps.fits` with a part before its extension: `maps-1d.fits`.
+fn beside(path: &Path, suffix: &str) -> PathBuf {
+    let stem = path.file_stem().map_or(String::new(), |it| it.to_string_lossy().into_owned());
+    let extension =
+        path.extension().map_or(String::new(), |it| format!(".{}", it.to_string_lossy()));
+    path.with_file_name(format!("{stem}{suffix}{extension}"))
 }
