@@ -2,6 +2,26 @@
 //!
 //! CSV: provenance as comments, a header, shortest round-trip numbers. JSON lines: an object per
 //! row, the first of them carrying the provenance too. Parquet: `columns`.
+//!
+//! # Example
+//! The sessions of a day's plan as CSV: provenance, the columns' names, a row per session:
+//! ```
+//! use formats::{rows::Format, timeline::timeline};
+//! use mission::{Mission, Override};
+//! use planner::plan::{Revision, plan};
+//! use planner::{progress::Quietly, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=1")?])?;
+//! let world = World::open(mission, None)?;
+//! let timeline = timeline(&world, &plan(&world, &Revision::default(), &Quietly)?, None)?;
+//! let mut csv = Vec::new();
+//! timeline.write_table(&mut csv, Format::Csv)?;
+//! let csv = String::from_utf8(csv)?;
+//! let rows: Vec<&str> = csv.lines().filter(|line| !line.starts_with('#')).collect();
+//! assert!(csv.starts_with("# mission: LiteBIRD\n") && rows[0].starts_with("id,target,telescope,"));
+//! assert!(rows[1].starts_with("MFT-jupiter-000000,jupiter,MFT,2032-04-01T02:08:51.467582318Z,"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod columns;
 mod cells;

@@ -7,7 +7,7 @@ use onboard_core::ephemeris::EphemerisError;
 use onboard_core::frame::{Boresight, Ecliptic};
 use onboard_core::rotation::Rotation;
 use onboard_core::sun::SunModel;
-use planner::history_fit::angles::rotation_vector;
+use planner::history_fit::rotation_vector;
 use planner::history_fit::{Fit, Measured};
 use planner::world::World;
 use serde::Serialize;
