@@ -13,6 +13,7 @@ use std::f64::consts::{PI, TAU};
 
 /// ZYZ Euler angles, radians; any number of turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::struct_field_names, reason = "the unit stands in every name")]
 pub(super) struct Angles {
     /// a + b.
     pub(super) sum_rad: f64,
