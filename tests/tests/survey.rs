@@ -1,6 +1,8 @@
 //! The survey kernel against maps of an independent program, and against the flight core sample by
 //! sample.
 
+mod turning;
+
 use onboard_core::frame::{Boresight, Detector};
 use onboard_core::rotation::Rotation;
 use onboard_core::time::{Duration, Instant};
@@ -11,7 +13,7 @@ use planner::survey::{
     SurveyDetector, SurveyMaps, SurveyStatistics, SurveySun,
 };
 use serde_json::Value;
-use tests::simulation::turning;
+use turning::turning;
 
 /// A survey in plain numbers.
 #[derive(Debug, Clone)]
