@@ -13,7 +13,7 @@
 //! let start = parse_time("2032-04-01T00:00:00 TDB")?;
 //! assert_eq!(format_utc(start), "2032-03-31T23:58:50.814344741Z");
 //! let later = start.plus(Duration::from_seconds(3600.0));
-//! assert_eq!(format_tdb(later), "2032-04-01T01:00:00.000000001");
+//! assert_eq!(format_tdb(later), "2032-04-01T01:00:00.000000055");
 //! # Ok::<(), planner::time::TimeError>(())
 //! ```
 

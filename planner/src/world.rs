@@ -17,7 +17,7 @@
 //! let [direction, anti_sun] =
 //!     [world.sky.direction(jupiter, world.start)?, world.sky.sun_to_spacecraft(world.start)?];
 //! let elongation_rad = std::f64::consts::PI - direction.separation_rad(anti_sun);
-//! assert!((elongation_rad.to_degrees() - 90.0).abs() < 10.0);
+//! assert!((elongation_rad.to_degrees() - 73.0).abs() < 1.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
