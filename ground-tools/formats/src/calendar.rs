@@ -18,7 +18,7 @@
 //! let world = World::open(mission, None)?;
 //! let timeline = timeline(&world, &plan(&world, &Revision::default(), &Quietly)?, None)?;
 //! let text = String::from_utf8(calendar::write(&timeline, world.start)?)?;
-//! assert!(text.contains("UID:MFT-jupiter-000000@litebird.gyrfalcon\r\n"));
+//! assert!(text.contains("UID:MFT-jupiter-000003@litebird.gyrfalcon\r\n"));
 //! let events = read_calendar(&text)?;
 //! assert_eq!(events.len(), timeline.sessions.len());
 //! assert_eq!(events[0].summary, "MFT: jupiter");

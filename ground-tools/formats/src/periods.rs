@@ -28,7 +28,7 @@
 //! periods::write(&mut csv, &timeline, &motion, (world.start, world.end))?;
 //! let csv = String::from_utf8(csv)?;
 //! assert!(csv.contains("\n1,survey,") && csv.contains("\n2,calibration,"));
-//! assert!(csv.contains(",MFT-jupiter-000000;HFT-jupiter-000000,jupiter;jupiter,MFT;HFT,"));
+//! assert!(csv.contains(",MFT-jupiter-000003;HFT-jupiter-000003,jupiter;jupiter,MFT;HFT,"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

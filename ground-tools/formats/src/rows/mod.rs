@@ -19,7 +19,7 @@
 //! let csv = String::from_utf8(csv)?;
 //! let rows: Vec<&str> = csv.lines().filter(|line| !line.starts_with('#')).collect();
 //! assert!(csv.starts_with("# mission: LiteBIRD\n") && rows[0].starts_with("id,target,telescope,"));
-//! assert!(rows[1].starts_with("MFT-jupiter-000000,jupiter,MFT,2032-04-01T02:08:51.467582318Z,"));
+//! assert!(rows[1].starts_with("MFT-jupiter-000003,jupiter,MFT,2032-04-01T11:48:29.455373650Z,"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -16,7 +16,7 @@
 //! let now = timeline(&world, &plan(&world, &Revision::default(), &Quietly)?, None)?;
 //! let json = now.to_json()?;
 //! let earlier: Timeline = serde_json::from_slice(&json)?;
-//! assert_eq!(earlier.sessions[0].id, "MFT-jupiter-000000");
+//! assert_eq!(earlier.sessions[0].id, "MFT-jupiter-000003");
 //! let difference = Difference::of(&earlier, &now, "timeline.json".to_owned());
 //! assert_eq!((difference.kept, difference.added.len()), (now.sessions.len(), 0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
