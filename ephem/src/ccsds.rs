@@ -6,7 +6,7 @@
 //!
 //! Method: KVN \[CCSDS502, CCSDS504\] line by line, without blank lines and comments; XML \[CCSDS505\]
 //! by `roxmltree`, which refuses document types and so entities, elements told by their local names.
-//! Values are read in letters of any case, keywords in capitals. An [`epoch`] is read in the
+//! Values are read in letters of any case, keywords in capitals. An [`epoch()`] is read in the
 //! `TIME_SYSTEM` of its segment, by calendar or by day of the year, and rounded to the ns.
 //!
 //! Limits: time systems UTC, TAI, TT, TDB. GCRF, EME2000 and J2000 are taken as ICRF (23 mas at

@@ -210,21 +210,6 @@ fn an_aem_may_say_the_same_in_other_words() {
 }
 
 #[test]
-fn a_start_is_rounded_to_the_ns() {
-    let folder = tempfile::tempdir().unwrap();
-    let rows = |start: &str| {
-        let arguments = ["pointing", "--start", start, "--duration", "2s", "--step", "1"];
-        let text = stdout(folder.path(), &arguments, "");
-        text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
-    };
-    let exact = rows("2032-04-01T00:00:00.123456789 TDB");
-    assert_eq!(exact.len(), 4);
-    for start in ["2032-04-01T00:00:00.1234567894 TDB", "2032-092T00:00:00.12345678850001 tdb"] {
-        assert_eq!(rows(start), exact, "{start}");
-    }
-}
-
-#[test]
 fn wrong_attitudes_fail_and_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let csv = stdout(

@@ -1,10 +1,34 @@
-//! The ground's planner: what a scanning strategy demands of the hardware, which calibration
-//! opportunities it offers, and which of them to take.
+//! What follows from a mission: what its scanning strategy demands of the hardware, how it covers the
+//! sky, which calibration opportunities it offers, and which of them to take.
 //!
-//! Modules stand in the order that data flows. All angles are radians, rates radians per second or
-//! hertz, times nanoseconds of TAI; degrees, minutes and rpm belong to files and reports.
+//! All angles are radians, rates radians per second or hertz, times ns of TAI; degrees, minutes and rpm
+//! belong to files and reports. Nothing is printed here.
+//!
+//! Modules stand in the order that data flows. A [`mission::Mission`] becomes a [`world::World`]: the
+//! mission among the planets. From it follow [`constraints`], [`visits`] and a [`survey`] with its
+//! [`mapmaking`]; [`opportunities`], what each is [`worth`], a [`schedule`] by integer
+//! [`program`]ming, and all of these in one call: a [`plan`]. [`resonance`] judges the periods,
+//! [`history_fit`] the attitudes that were flown.
+//!
+//! # Example
+//! The first session of a preset's plan for a week:
+//! ```
+//! use mission::{Mission, Override};
+//! use planner::plan::{Revision, plan};
+//! use planner::{progress::Quietly, time::format_utc, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=7")?])?;
+//! let world = World::open(mission, None)?;
+//! let sessions = plan(&world, &Revision::default(), &Quietly)?.sessions(&world)?;
+//! let first = &sessions[0];
+//! assert_eq!((first.telescope.as_str(), first.target.as_str()), ("MFT", "jupiter"));
+//! assert_eq!(format_utc(first.start), "2032-04-01T02:08:51.467582318Z");
+//! assert_eq!(first.dwell.seconds().round(), 50.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod progress;
+pub mod time;
 pub mod healpix;
 pub mod world;
 pub mod provenance;

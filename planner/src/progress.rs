@@ -5,6 +5,28 @@
 //! [`Quietly`].
 //!
 //! Limits: [`Progress::stopped`] is asked between pieces of work of at most about a tenth of a second.
+//!
+//! # Example
+//! A plan that ends at a deadline with what it has; the bound of a plan that was ended still holds:
+//! ```
+//! use mission::{Mission, Override};
+//! use planner::plan::{Revision, plan};
+//! use planner::{progress::Progress, schedule::Stopped, world::World};
+//! use std::time::Instant;
+//!
+//! struct Deadline(Instant);
+//!
+//! impl Progress for Deadline {
+//!     fn stopped(&self) -> bool {
+//!         Instant::now() >= self.0
+//!     }
+//! }
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=7")?])?;
+//! let found = plan(&World::open(mission, None)?, &Revision::default(), &Deadline(Instant::now()))?;
+//! assert_eq!(found.schedule.stopped, Stopped::Interrupted);
+//! assert!(found.schedule.objective <= found.schedule.upper_bound);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 /// Who watches a computation; called from all its threads.
 pub trait Progress: Sync {

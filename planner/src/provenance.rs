@@ -1,4 +1,17 @@
 //! What every output says about where it comes from.
+//!
+//! # Example
+//! The first lines of every table that is made from a preset:
+//! ```
+//! use mission::Mission;
+//! use planner::{provenance::Provenance, world::World};
+//!
+//! let world = World::open(Mission::load("litebird", &[])?, None)?;
+//! let comment = Provenance::of(&world).comment();
+//! let mission = format!("# mission: LiteBIRD\n# mission_sha256: {}\n", world.mission.digest());
+//! assert!(comment.starts_with(&mission));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::world::{FileDigest, World};
 use ephem::time::{format_tdb, last_leap_second};

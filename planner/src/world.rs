@@ -5,6 +5,21 @@
 //! given, the real anti-Sun longitude at the start is taken.
 //!
 //! Limits: the kernel must cover the mission, and the light time before it.
+//!
+//! # Example
+//! How far does Jupiter stand from the Sun when LiteBIRD starts?
+//! ```
+//! use mission::Mission;
+//! use planner::world::World;
+//!
+//! let world = World::open(Mission::load("litebird", &[])?, None)?;
+//! let jupiter = world.targets.iter().find(|it| it.name() == "jupiter").ok_or("no Jupiter")?;
+//! let [direction, anti_sun] =
+//!     [world.sky.direction(jupiter, world.start)?, world.sky.sun_to_spacecraft(world.start)?];
+//! let elongation_rad = std::f64::consts::PI - direction.separation_rad(anti_sun);
+//! assert!((elongation_rad.to_degrees() - 73.0).abs() < 1.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use ephem::apparent::{Corrections, Sky, SkyError};
 use ephem::fit::{FitError, FitOptions, FittedTable, fit};

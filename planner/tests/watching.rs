@@ -16,9 +16,12 @@ use std::sync::Mutex;
 use stopping::Stopping;
 use synthetic::{default_rules, mission};
 
-/// The steps that were told, with their units and those that were done, and the number of calls.
+/// A step's name, its units and those that were done.
+type Step = (String, u64, u64);
+
+/// The steps that were told, and the number of calls.
 #[derive(Default)]
-struct Watcher(Mutex<(Vec<(String, u64, u64)>, usize)>);
+struct Watcher(Mutex<(Vec<Step>, usize)>);
 
 impl Progress for Watcher {
     fn begin(&self, step: &str, units: u64) {
@@ -50,8 +53,8 @@ impl Watcher {
 fn a_watched_schedule_is_the_same_and_tells_its_steps() {
     let problem = mission(20, 3, true, default_rules(20));
     let watcher = Watcher::default();
-    let watched = schedule_until(&problem, &watcher).unwrap();
-    assert_eq!(watched, schedule(&problem).unwrap());
+    let found = schedule_until(&problem, &watcher).unwrap();
+    assert_eq!(found, schedule(&problem).unwrap());
     let told = watcher.told();
     for step in ["bounds by days", "schedules by days", "relaxation and cuts"] {
         assert!(told.iter().any(|it| it == step), "{step}: {told:?}");

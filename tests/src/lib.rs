@@ -1,7 +1,6 @@
 //! What the cross-crate tests share: exact strategies from plain numbers, and small tables.
 
 pub mod campaign;
-pub mod simulation;
 pub mod uplink;
 pub mod attitudes;
 pub mod stack;

@@ -1,9 +1,12 @@
 //! The predicted cross-link means against moments of the survey kernel.
 
+mod simulation;
+mod turning;
+
 use planner::healpix::Nside;
 use planner::resonance::{Crosslink, Motion, Predictor, Window, mean_of_d};
 use planner::survey::{Moment, SurveyStatistics};
-use tests::simulation::{Simulation, UNITS};
+use simulation::{Simulation, UNITS};
 
 const ORDERS: [u32; 6] = [1, 2, 3, 4, 5, 6];
 

@@ -1,5 +1,7 @@
 //! Maps made from the timestream of a known sky: what comes back, how well, in every frame.
 
+mod turning;
+
 use onboard_core::detector::detector_at;
 use onboard_core::frame::{Boresight, Detector};
 use onboard_core::rotation::Rotation;
@@ -14,7 +16,7 @@ use planner::survey::{
 };
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering as Memory};
-use tests::simulation::turning;
+use turning::turning;
 
 /// Counts samples.
 #[derive(Default)]

@@ -1,6 +1,9 @@
 //! The predicted variance of hits against maps of the survey kernel.
 
-use tests::simulation::{Simulation, UNITS};
+mod simulation;
+mod turning;
+
+use simulation::{Simulation, UNITS};
 
 /// Samples in a number of units of time: 3.0 Hz, and a spin is no whole number of samples.
 const SAMPLING: (u32, u32) = (151, 10_070);

@@ -1,17 +1,20 @@
 //! The survey kernel against maps of an independent program, and against the flight core sample by
 //! sample.
 
+mod turning;
+
 use onboard_core::frame::{Boresight, Detector};
+use onboard_core::phase::Phase;
 use onboard_core::rotation::Rotation;
 use onboard_core::time::{Duration, Instant};
 use planner::healpix::{Nside, Ordering};
 use planner::progress::Quietly;
 use planner::survey::{
-    BigRational, Collector, Isa, MOST_MOMENTS, MapFrame, Moment, SampledScan, SunSource, Survey,
-    SurveyDetector, SurveyMaps, SurveyStatistics, SurveySun,
+    BigRational, Collector, ExactRotor, Isa, MOST_MOMENTS, MapFrame, Moment, SampledScan,
+    SunSource, Survey, SurveyDetector, SurveyMaps, SurveyStatistics, SurveySun,
 };
 use serde_json::Value;
-use tests::simulation::turning;
+use turning::turning;
 
 /// A survey in plain numbers.
 #[derive(Debug, Clone)]
@@ -64,7 +67,9 @@ impl Case {
             precession: turning(signed(self.precession_s, self.signs.0), self.phases_rad.0),
             spin: turning(signed(self.spin_s, self.signs.1), self.phases_rad.1),
         };
-        let plate = Some(turning((60, self.plate_rpm), 0.0));
+        // A plate of 0 rpm stands still.
+        let turns_per_s = BigRational::new(self.plate_rpm.into(), 60.into());
+        let plate = Some(ExactRotor { turns_per_s, start: Phase::ZERO });
         let detector =
             |&rotation| SurveyDetector { rotation, plate: plate.clone(), polarisation_rad: 0.0 };
         let moment = |&(n, m): &(f64, f64)| Moment::new(n, m).unwrap();

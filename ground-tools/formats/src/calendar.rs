@@ -5,6 +5,25 @@
 //! events it already has.
 //!
 //! Method: the crate `icalendar` folds and escapes.
+//!
+//! # Example
+//! The plan of a day as a calendar, which the reader of blackouts takes back:
+//! ```
+//! use formats::{calendar, timeline::timeline};
+//! use mission::{Mission, Override, occasions::read_calendar};
+//! use planner::plan::{Revision, plan};
+//! use planner::{progress::Quietly, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=1")?])?;
+//! let world = World::open(mission, None)?;
+//! let timeline = timeline(&world, &plan(&world, &Revision::default(), &Quietly)?, None)?;
+//! let text = String::from_utf8(calendar::write(&timeline, world.start)?)?;
+//! assert!(text.contains("UID:MFT-jupiter-000003@litebird.gyrfalcon\r\n"));
+//! let events = read_calendar(&text)?;
+//! assert_eq!(events.len(), timeline.sessions.len());
+//! assert_eq!(events[0].summary, "MFT: jupiter");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::error::WriteError;
 use crate::timeline::Timeline;

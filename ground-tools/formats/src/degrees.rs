@@ -1,4 +1,12 @@
 //! Radians of the core as the degrees of text.
+//!
+//! # Example
+//! ```
+//! use formats::degrees::{positive, signed};
+//!
+//! let quarter_rad = std::f64::consts::FRAC_PI_2;
+//! assert_eq!((signed(3.0 * quarter_rad), positive(-quarter_rad)), (-90.0, 270.0));
+//! ```
 
 /// Degrees in (-180, 180].
 #[must_use]

@@ -9,6 +9,28 @@
 //!
 //! Limits: calibration does not change the scan: a period of calibration tells whose telescope is set
 //! up for which target, setup and cooldown included.
+//!
+//! # Example
+//! The periods of a day's plan: survey first, then Jupiter in two telescopes:
+//! ```
+//! use formats::{attitude::Motion, periods, timeline::timeline};
+//! use mission::{Mission, Override};
+//! use planner::plan::{Revision, plan};
+//! use planner::{progress::Quietly, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=1")?])?;
+//! let world = World::open(mission, None)?;
+//! let plan = plan(&world, &Revision::default(), &Quietly)?;
+//! let (timeline, sun) = (timeline(&world, &plan, None)?, world.sun(plan.offered.tables.parse()?)?);
+//! let frame = onboard_core::rotation::Rotation::IDENTITY;
+//! let motion = Motion { scan: &world.scan, sun, frame };
+//! let mut csv = Vec::new();
+//! periods::write(&mut csv, &timeline, &motion, (world.start, world.end))?;
+//! let csv = String::from_utf8(csv)?;
+//! assert!(csv.contains("\n1,survey,") && csv.contains("\n2,calibration,"));
+//! assert!(csv.contains(",MFT-jupiter-000003;HFT-jupiter-000003,jupiter;jupiter,MFT;HFT,"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::attitude::Motion;
 use crate::degrees;

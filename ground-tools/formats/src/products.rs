@@ -1,4 +1,28 @@
 //! Which files a plan's folder holds, and what fills them.
+//!
+//! # Example
+//! A day's plan for STK, beside what every plan has:
+//! ```
+//! use formats::products::{Also, Products};
+//! use formats::timeline::timeline;
+//! use mission::{Mission, Override};
+//! use planner::plan::{Revision, plan};
+//! use planner::{progress::Quietly, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=1")?])?;
+//! let world = &World::open(mission, None)?;
+//! let plan = plan(world, &Revision::default(), &Quietly)?;
+//! let (timeline, sun) = (&timeline(world, &plan, None)?, world.sun(plan.offered.tables.parse()?)?);
+//! let (stamp, error_rad, whole, spacecraft) = (world.start, 1e-5, false, -999);
+//! let products = Products { world, sun, timeline, stamp, error_rad, whole, spacecraft };
+//! let mut files = products.fills(&[Also::Stk])?.into_iter();
+//! assert_eq!(files.next().map(|it| it.0), Some("timeline.ics"));
+//! let (name, fill) = files.nth(1).ok_or("no attitude for STK")?;
+//! let mut bytes = Vec::new();
+//! fill(&mut bytes)?;
+//! assert!(name == "attitude.a" && bytes.starts_with(b"stk.v.11.0"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::attitude::{
     Attitudes, BodyFrame, Kernels, Message, Motion, Notation, Span, write_stk_attitude,

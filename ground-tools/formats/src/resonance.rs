@@ -1,4 +1,18 @@
 //! A check of the mission's periods as JSON and in words.
+//!
+//! # Example
+//! ```
+//! use formats::resonance::{json, sentence};
+//! use mission::Mission;
+//! use planner::{resonance::check::Resonances, world::World};
+//!
+//! let world = World::open(Mission::load("litebird", &[])?, None)?;
+//! let found = Resonances::of_mission(&world)?;
+//! let told = sentence(&found.checked);
+//! assert!(told.starts_with("pass: within 0.6 s and 0.06 s of 192.348 min and 20 min"));
+//! assert_eq!(json(&found.checked, found.recommended.as_ref())["verdict"], "pass");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use planner::resonance::check::Checked;
 use planner::resonance::{Certificate, Choice, Recommendation, Worst};

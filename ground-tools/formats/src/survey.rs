@@ -1,4 +1,27 @@
 //! What is told of a survey: the numbers of its map, at its end and at each snapshot.
+//!
+//! # Example
+//! The numbers of a day's map through a preset's boresight, at 1 Hz:
+//! ```
+//! use formats::survey::MapReport;
+//! use mission::{Mission, Override, number::Number};
+//! use planner::survey::*;
+//! use planner::{healpix::Nside, opportunities::boresight, progress::Quietly, world::World};
+//!
+//! let set = ["span.duration_days=1", "orbit.sun=circular"].map(Override::set);
+//! let set = set.into_iter().collect::<Result<Vec<_>, _>>()?;
+//! let world = World::open(Mission::load("litebird", &set)?, None)?;
+//! let lines = [boresight(&world.mission)?];
+//! let asked = input::SurveyInput::new(&world, &lines, &Number::parse("1")?)?;
+//! let source = SunSource::Circular(asked.circular_sun.ok_or("no circular Sun")?);
+//! let (sun, nside, frame) = (SurveySun { source, step: None }, Nside::new(16)?, MapFrame::Ecliptic);
+//! let (scan, detectors, moments) = (asked.scan, asked.detectors, vec![Moment::new(2.0, 0.0)?]);
+//! let survey = Survey { scan, sun, detectors, nside, frame, moments };
+//! let maps = survey.run(0..asked.samples, 0, &Quietly)?;
+//! let report = MapReport::new(16, &SurveyStatistics::of(&maps));
+//! assert_eq!((report.samples, report.crosslink[0].n), (86_400, 2.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use planner::opportunities::NONE;
 use planner::provenance::Provenance;

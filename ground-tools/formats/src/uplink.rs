@@ -1,6 +1,28 @@
 //! The container that goes on board, written and told.
 //!
 //! The layouts are the flight core's (`onboard_core::uplink`); this module only puts them together.
+//!
+//! # Example
+//! The table for the uplink of a week's plan, as the flight core loads it:
+//! ```
+//! use formats::uplink::{Contents, records};
+//! use mission::{Mission, Override};
+//! use onboard_core::uplink::Tables;
+//! use planner::plan::{Revision, plan};
+//! use planner::{progress::Quietly, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=7")?])?;
+//! let world = &World::open(mission, None)?;
+//! let plan = plan(world, &Revision::default(), &Quietly)?;
+//! let sessions = records(world, &plan)?;
+//! let ephemeris = &plan.offered.tables.fitted.bytes;
+//! let contents = Contents { world, ephemeris, sessions: Some(&sessions), sequence: 1 };
+//! let bytes = contents.to_bytes()?;
+//! let tables = Tables::load(&bytes).map_err(|error| format!("{error:?}"))?;
+//! let first = tables.plan().session(0).ok_or("no session")?;
+//! assert_eq!((first.body, first.start), (5, sessions[0].start));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use ephem::time::format_tdb;
 use mission::Mission;

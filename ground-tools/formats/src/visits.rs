@@ -2,8 +2,29 @@
 //!
 //! Times in seconds, and instants as TDB text and ns of TAI. [`marks`] are the periods that show in
 //! histograms of revisits: spin, precession, a year.
+//!
+//! # Example
+//! Three visits of a minute, 20 min apart:
+//! ```
+//! use formats::visits::{Report, span};
+//! use planner::time::{Duration, Instant};
+//! use planner::visits::{Counting, Visit, VisitStatistics};
+//!
+//! let at = |minute: u32| {
+//!     Instant::from_tai_ns(0).plus(Duration::from_seconds(60.0 * f64::from(minute)))
+//! };
+//! let visits = [10, 30, 50].map(|minute| {
+//!     let (entry, exit) = (at(minute), at(minute + 1));
+//!     Visit { entry, exit, entry_clipped: false, exit_clipped: false }
+//! });
+//! let found = VisitStatistics::of(&visits, Counting::Crossings, Duration::from_seconds(3600.0));
+//! let report = Report::new("jupiter", ("MFT", "-"), &found);
+//! assert_eq!((report.visits, report.visits_per_day), (3, 72.0));
+//! assert_eq!(report.revisit.median_s.map(span), Some("20.00 min".to_owned()));
+//! ```
 
 use ephem::time::format_tdb;
+use onboard_core::time::Instant;
 use onboard_core::visits::Spacing;
 use planner::visits::{Gap, Histogram, Spans, Spread, VisitStatistics};
 use planner::world::World;

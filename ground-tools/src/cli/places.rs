@@ -4,9 +4,8 @@
 //!
 //! Limits: a direction on an edge of pixels belongs to the one that \[Gorski2005\]'s integer parts name.
 
+use super::quantities::angles_deg;
 use crate::failure::Failure;
-use mission::number::nearest;
-use mission::quantity;
 use onboard_core::direction::Direction;
 use onboard_core::frame::Ecliptic;
 use planner::healpix::{Nside, Ordering};
@@ -78,7 +77,7 @@ impl Numbering {
     /// # Errors
     /// [`Failure::Input`] names what is wrong with the text.
     pub fn holding(self, text: &str) -> Result<FixedPlace, Failure> {
-        let (theta, phi) = pair("--theta-phi", text, ("colatitude", "longitude"))?;
+        let [theta, phi] = angles_deg("--theta-phi", text, ["colatitude", "longitude"])?;
         if !(0.0..=180.0).contains(&theta) {
             return Err(Failure::Input(format!(
                 "--theta-phi {text}: a colatitude from 0 to 180 deg is needed"
@@ -124,7 +123,7 @@ const fn frame_suffix(frame: MapFrame) -> &'static str {
 /// # Errors
 /// [`Failure::Input`] names what is wrong with the text.
 pub fn direction(text: &str, frame: MapFrame) -> Result<FixedPlace, Failure> {
-    let (longitude, latitude) = pair("--direction", text, ("longitude", "latitude"))?;
+    let [longitude, latitude] = angles_deg("--direction", text, ["longitude", "latitude"])?;
     if latitude.abs() > 90.0 {
         return Err(Failure::Input(format!(
             "--direction {text}: a latitude from -90 to 90 deg is needed"
@@ -143,35 +142,6 @@ pub fn direction(text: &str, frame: MapFrame) -> Result<FixedPlace, Failure> {
         name: format!("direction:{text}{}", frame_suffix(frame)),
         shape: PlaceShape::Direction(there),
     })
-}
-
-/// Two angles with their units, in degrees.
-fn pair(option: &str, text: &str, (first, second): (&str, &str)) -> Result<(f64, f64), Failure> {
-    let [one, other] = angles(option, text, [first, second])?;
-    Ok((one, other))
-}
-
-/// Angles with their units and commas between, in degrees.
-///
-/// # Errors
-/// [`Failure::Input`] names the option and what is wrong with its text.
-pub(crate) fn angles<const N: usize>(
-    option: &str,
-    text: &str,
-    names: [&str; N],
-) -> Result<[f64; N], Failure> {
-    let wrong = |what: String| Failure::Input(format!("{option} {text}: {what}"));
-    let parts: Vec<&str> = text.split(',').collect();
-    let parts: [&str; N] = parts.try_into().map_err(|_| {
-        let (last, first) = names.split_last().unwrap_or((&"", &[]));
-        wrong(format!("{} and {last} with commas between are needed", first.join(", ")))
-    })?;
-    let mut angles = [0.0; N];
-    for (angle, part) in angles.iter_mut().zip(parts) {
-        let exact = quantity::degrees(part).map_err(|error| wrong(error.to_string()))?;
-        *angle = nearest(&exact);
-    }
-    Ok(angles)
 }
 
 #[cfg(test)]

@@ -12,7 +12,6 @@ use formats::WriteError;
 use formats::products::Fill;
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use tempfile::NamedTempFile;
 
 /// Where one result goes.
@@ -24,19 +23,13 @@ pub enum Sink {
     File(PathBuf),
 }
 
-impl FromStr for Sink {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "" => Err("a path, or - for standard output, is needed".to_owned()),
-            "-" => Ok(Self::Stdout),
-            path => Ok(Self::File(PathBuf::from(path))),
-        }
-    }
-}
-
 impl Sink {
+    /// The place of that path; `-` is standard output.
+    #[must_use]
+    pub fn at(path: &Path) -> Self {
+        if path.as_os_str() == "-" { Self::Stdout } else { Self::File(path.to_owned()) }
+    }
+
     /// Writes `bytes`, whole or not at all.
     ///
     /// # Errors

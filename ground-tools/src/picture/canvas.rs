@@ -2,8 +2,9 @@
 //!
 //! x to the right, y downwards, in pixels of the PNG. Coordinates have two decimals.
 
+use super::drawing::Drawing;
 use super::font::{self, FAMILIES};
-use super::{Drawing, render};
+use super::render;
 use std::fmt::Write;
 
 /// Colour of text and frames.

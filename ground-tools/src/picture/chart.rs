@@ -5,11 +5,12 @@
 
 use super::canvas::{Anchor, Canvas, INK, Rectangle, Stroke, Text, path};
 use super::colour::{DASHES, LINES, Scale, Span};
+use super::drawing::Drawing;
+use super::error::PictureError;
 use super::font::{self, DIGIT};
 use super::legend::{Sample, legend};
 use super::sky::titled;
 use super::ticks::{Ticks, ticks};
-use super::{Drawing, PictureError};
 
 /// One axis.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! Which colour stands for a value, and which values have one.
 
-use super::PictureError;
+use super::error::PictureError;
 use colorous::Gradient;
 
 /// Colours of a raster apart from those for what is unobserved or outside.

@@ -1,6 +1,6 @@
 //! Drawings under names, written into folders.
 
-use super::Drawing;
+use super::drawing::Drawing;
 use crate::failure::Failure;
 use crate::output::write_folder;
 use rayon::prelude::*;

@@ -5,7 +5,7 @@
 //!
 //! Method: Mollweide's equal-area projection and the gnomonic one [Snyder1987, chapters 31 and 22].
 
-use super::PictureError;
+use super::error::PictureError;
 use planner::healpix::unit_vector;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -4,9 +4,10 @@
 //! ones NaN.
 
 use super::colour::{ColourMap, STEPS, Span, UNOBSERVED};
+use super::error::PictureError;
+use super::projection::View;
 use super::render::{Palette, encode};
-use super::sky::SkyMap;
-use super::{PictureError, View};
+use super::sky_map::SkyMap;
 use rayon::prelude::*;
 
 /// Values of an image, row by row from the top.

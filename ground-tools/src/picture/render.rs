@@ -1,6 +1,6 @@
 //! Pixels of a drawing, and images within one.
 
-use super::PictureError;
+use super::error::PictureError;
 use super::font::ROBOTO;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

@@ -8,29 +8,16 @@
 
 use super::canvas::{Anchor, Canvas, FAINT, INK, Rectangle, Stroke, Text, path};
 use super::colour::{ColourMap, DASHES, LINES, Range, Scale, Span, UNOBSERVED};
+use super::drawing::Drawing;
+use super::error::PictureError;
 use super::font::{self, DIGIT};
 use super::graticule::{Placed, draw_labels, draw_lines};
 use super::legend::{Sample, legend};
 use super::projection::{View, densified};
 use super::raster::Raster;
+use super::sky_map::SkyMap;
 use super::ticks::{factor, ticks};
-use super::{Drawing, PictureError};
-use formats::fits::MapFrame;
-use planner::healpix::{Nside, Ordering};
 use std::fmt::Write;
-
-/// A map by its pixels.
-#[derive(Clone, Copy)]
-pub struct SkyMap<'a> {
-    /// Resolution.
-    pub nside: Nside,
-    /// How pixels are numbered.
-    pub ordering: Ordering,
-    /// The frame of longitudes and latitudes.
-    pub frame: MapFrame,
-    /// The value of a pixel; NaN where unobserved.
-    pub values: &'a (dyn Fn(u32) -> f64 + Sync),
-}
 
 /// A line over the map.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! What is planned, and how sure is it: the numbers that a meeting starts with.
 
-use super::Source;
 use super::names::{Names, grouped, minute, minute_tdb, real, total};
+use super::source::Source;
 use maud::{Markup, html};
 use onboard_core::time::Instant;
 use serde_json::Value;

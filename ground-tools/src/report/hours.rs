@@ -1,8 +1,8 @@
 //! How long is each target in view: used and offered, by telescope.
 
-use super::Source;
 use super::names::{Names, grouped, total};
 use super::plot::{colour, n};
+use super::source::Source;
 use maud::{Markup, html};
 
 pub(super) fn section(source: &Source, names: &Names) -> Markup {

@@ -1,6 +1,6 @@
 //! What was it made from, and how is it made again.
 
-use super::Source;
+use super::source::Source;
 use maud::{Markup, html};
 
 pub(super) fn section(source: &Source) -> Markup {

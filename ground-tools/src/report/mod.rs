@@ -12,6 +12,7 @@
 //!
 //! Limits: in the zoomable timeline, passes are whole seconds; `timeline.json` has all digits.
 
+mod source;
 mod encoding;
 mod plot;
 mod names;
@@ -29,14 +30,11 @@ mod difference;
 mod inputs;
 
 pub use names::chosen;
+pub use source::Source;
 
 use crate::failure::Failure;
-use formats::timeline::{Difference, Timeline};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use names::Names;
-use onboard_core::ephemeris::EphemerisTable;
-use planner::opportunities::Offers;
-use planner::world::World;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPTS: [&str; 5] = [
@@ -48,23 +46,6 @@ const SCRIPTS: [&str; 5] = [
 ];
 /// Nothing is fetched, whatever the page's texts may hold.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
-
-/// What a report is made from.
-#[derive(Debug, Clone, Copy)]
-pub struct Source<'r> {
-    /// The mission among the planets.
-    pub world: &'r World,
-    /// The fitted directions of its targets.
-    pub table: EphemerisTable<'r>,
-    /// What it offers: lines of sight, passes, opportunities.
-    pub offers: &'r Offers,
-    /// The plan.
-    pub timeline: &'r Timeline,
-    /// A rule that the plan breaks, in words, by the check in exact arithmetic.
-    pub violation: Option<&'r str>,
-    /// What changed against an earlier plan, where there is one.
-    pub difference: Option<&'r Difference>,
-}
 
 /// A section of the page.
 struct Section {

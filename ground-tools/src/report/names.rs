@@ -2,7 +2,7 @@
 //!
 //! A class is a telescope with a target, numbered by telescope, then by target, in the mission's order.
 
-use super::Source;
+use super::source::Source;
 use crate::failure::Failure;
 use ephem::time::{format_tdb, format_utc};
 use formats::timeline::Session;

@@ -9,13 +9,14 @@
 //! less the whole seconds, setup and cooldown in ms, last exit in ms less the whole seconds, TDB less TAI
 //! at start and at end in ms beyond 32184, number of passes, least and largest psi in tenths of a degree.
 
-use super::Source;
 use super::encoding::{Part, Sentences, push, push_signed};
 use super::names::Names;
+use super::source::Source;
 use crate::failure::Failure;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use ephem::time::{tdb_ns, utc_day, utc_midnight};
+use formats::timeline::Difference;
 use onboard_core::time::Instant;
 use planner::opportunities::Opportunity;
 use serde_json::{Value, json};
@@ -80,7 +81,7 @@ impl Data {
 
 /// Ids that an earlier plan did not have or had at another time.
 fn difference_marks(source: &Source) -> Value {
-    let ids = |of: fn(&super::Difference) -> Vec<&str>| source.difference.map_or(Vec::new(), of);
+    let ids = |of: fn(&Difference) -> Vec<&str>| source.difference.map_or(Vec::new(), of);
     json!({
         "added": ids(|it| it.added.iter().map(|entry| &*entry.id).collect()),
         "moved": ids(|it| it.moved.iter().map(|entry| &*entry.now.id).collect()),

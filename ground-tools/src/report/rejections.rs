@@ -2,10 +2,10 @@
 //!
 //! Reasons are counted by what they say, leaving ids, dates and numbers out.
 
-use super::Source;
 use super::encoding::label;
 use super::names::{Names, grouped, total};
 use super::opportunity_data::Data;
+use super::source::Source;
 use maud::{Markup, html};
 use std::collections::BTreeMap;
 

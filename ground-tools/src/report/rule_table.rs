@@ -7,9 +7,9 @@
 //!
 //! Limits: a price holds for small changes; what a step would bring is an estimate, not a bound.
 
-use super::Source;
 use super::names::{grouped, real, total};
 use super::plot::{n, steps};
+use super::source::Source;
 use formats::timeline::{Constraint, Loosened, Unit};
 use maud::{Markup, PreEscaped, html};
 

@@ -5,9 +5,9 @@
 //! `|<exp(i n psi)>|` is 0 where angles are spread evenly in the sense of n, 1 where all are the same:
 //! what cross-linking leaves of a spin-n systematic.
 
-use super::Source;
 use super::names::{Names, grouped, real, total};
 use super::plot::{colour, n, steps};
+use super::source::Source;
 use formats::timeline::SessionTransit;
 use maud::{Markup, PreEscaped, html};
 use std::fmt::Write;

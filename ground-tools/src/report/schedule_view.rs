@@ -5,9 +5,9 @@
 //! in equal parts of the mission. Heights are square roots, so that a few minutes used show beside hours
 //! offered; each strip has its own scale, told beside it.
 
-use super::Source;
 use super::names::{Names, grouped, real};
 use super::plot::{TimeAxis, colour, n, steps};
+use super::source::Source;
 use maud::{Markup, PreEscaped, html};
 
 /// Parts of the mission in the overview.

@@ -1,8 +1,8 @@
 //! Every session, month by month, for those who read or print without scripts.
 
-use super::Source;
 use super::names::{grouped, second, total};
 use super::opportunity_data::psi_range;
+use super::source::Source;
 use ephem::time::{civil_from_day, utc_day};
 use formats::timeline::Session;
 use maud::{Markup, html};

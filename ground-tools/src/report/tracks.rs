@@ -8,9 +8,9 @@
 //!
 //! Method: geometry of the mission's own sky at equal steps.
 
-use super::Source;
 use super::names::real;
 use super::plot::{TimeAxis, colour, dashes, n, path};
+use super::source::Source;
 use crate::failure::Failure;
 use maud::{Markup, PreEscaped, html};
 use onboard_core::direction::Direction;

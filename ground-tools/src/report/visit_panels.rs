@@ -4,9 +4,9 @@
 //! crossings, as `gyrfalcon visits` counts without names. Visits per day are means over equal parts of
 //! the mission; revisit times fill the ten bins a decade of `gyrfalcon visits`.
 
-use super::Source;
 use super::names::{grouped, real};
 use super::plot::{TimeAxis, colour, n, steps};
+use super::source::Source;
 use crate::failure::Failure;
 use formats::visits::{marks, span};
 use maud::{Markup, PreEscaped, html};

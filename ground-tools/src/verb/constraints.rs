@@ -1,6 +1,7 @@
 //! `gyrfalcon constraints`: what speeds and half-wave plates demand, per telescope.
 
-use super::{mission, print_json, tell};
+use super::asked::mission;
+use super::told::{print_json, tell};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
 use mission::Mission;

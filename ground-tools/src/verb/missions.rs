@@ -1,6 +1,8 @@
 //! `gyrfalcon missions`: list the presets, show one, check a file.
 
-use super::{print_json, sink};
+use super::asked::mission;
+use super::delivered::sink;
+use super::told::print_json;
 use crate::cli::{MissionsArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::to_stdout;
@@ -30,13 +32,13 @@ struct Checked<'m> {
 pub(super) fn run(shared: &SharedArgs, arguments: &MissionsArgs) -> Result<(), Failure> {
     let Some(name) = &arguments.name else {
         if arguments.resolved {
-            let mission = super::mission(shared)?;
+            let mission = mission(shared)?;
             return sink(shared).write(mission.resolved_toml().as_bytes());
         }
         return list(shared);
     };
     let named = SharedArgs { mission: name.clone(), ..shared.clone() };
-    let mission = super::mission(&named)?;
+    let mission = mission(&named)?;
     if arguments.resolved {
         return sink(shared).write(mission.resolved_toml().as_bytes());
     }

@@ -1,7 +1,9 @@
 //! `gyrfalcon pointing`: attitude, direction, crossing angle and plate angle over a span, as rows or
 //! as an attitude ephemeris message.
 
-use super::{deliver, print_json, sink, world};
+use super::asked::world;
+use super::delivered::{deliver, sink};
+use super::told::print_json;
 use crate::cli::{Format, PointingArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
@@ -16,7 +18,7 @@ use onboard_core::hwp::hwp_phase;
 use onboard_core::phase::Phase;
 use onboard_core::sun::SunModel;
 use onboard_core::time::{Duration, Instant};
-use planner::opportunities::{NONE, SightLine, select};
+use planner::opportunities::{NONE, SightLine};
 use planner::provenance::Provenance;
 use planner::world::TableFault;
 use planner::world::World;
@@ -70,17 +72,17 @@ struct Summary {
 
 pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), Failure> {
     let mut world = world(shared)?;
-    let lines =
-        select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
+    let lines = arguments.sight.lines(&world.mission)?;
     let [line] = &lines[..] else {
         return Err(Failure::Input(format!(
             "pointing is of one line of sight, not of {}: name one with --detector",
             lines.len()
         )));
     };
-    let times = times(&world, arguments.step, &arguments.at)?;
+    let instants = &arguments.instants;
+    let times = instants.within(world.mission.span.duration)?;
     let is_message = shared.format == Some(Format::Aem);
-    match (is_message, arguments.step.is_some(), arguments.at.is_empty()) {
+    match (is_message, instants.step.is_some(), instants.at.is_empty()) {
         (true, _, false) => {
             return Err(Failure::Input(
                 "--at names single instants, and an AEM holds a span that can be interpolated: leave \
@@ -128,14 +130,13 @@ fn attitudes<'w>(
     provenance: &'w Provenance,
 ) -> Result<Attitudes<'w>, Failure> {
     let motion = Motion { scan: &world.scan, sun, frame: line.rotation };
-    let step = match arguments.step {
+    let step = match arguments.instants.step {
         None => motion.step((arguments.aem_error_arcsec.unwrap_or(1.0) / 3600.0).to_radians()),
         Some(step) => motion.step_of(step).map_err(|legal| {
             Failure::Input(format!("--step {} cannot be an AEM's: {legal}", step.seconds()))
         })?,
     };
-    let variable = std::env::var("SOURCE_DATE_EPOCH").ok();
-    let stamp = stamp(arguments.stamp.as_deref(), variable.as_deref(), world.start)?;
+    let stamp = stamp(arguments.stamp.as_deref(), world.start)?;
     Ok(Attitudes { product: &world.mission.product, provenance, stamp, motion, step })
 }
 
@@ -168,27 +169,6 @@ fn deliver_message(
     } else {
         Ok(())
     }
-}
-
-/// The elapsed times asked for, within the mission.
-pub(super) fn times(
-    world: &World,
-    step: Option<Duration>,
-    at: &[Duration],
-) -> Result<impl Iterator<Item = Duration> + Clone + use<>, Failure> {
-    let whole = world.mission.span.duration;
-    if let Some(beyond) = at.iter().find(|elapsed| **elapsed > whole) {
-        return Err(Failure::Input(format!(
-            "--at {} lies beyond the mission: a number of seconds from 0 to {} is needed (or a \
-             longer --duration)",
-            beyond.seconds(),
-            whole.seconds()
-        )));
-    }
-    let at = at.to_vec();
-    let step = step.map_or(0, Duration::ns);
-    let stepped = if step > 0 { whole.ns() / step + 1 } else { 0 };
-    Ok(at.into_iter().chain((0..stepped).map(move |index| Duration::from_ns(index * step))))
 }
 
 fn row(

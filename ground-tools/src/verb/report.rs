@@ -3,8 +3,10 @@
 //! Passes are computed afresh; the mission and the kernel must be those of the plan, told by digest. The
 //! sessions are held against every rule once more: a plan that breaks one gets its page, and exit code 1.
 
-use super::plan::Earlier;
-use super::{sink, warn, world};
+use super::asked::world;
+use super::delivered::sink;
+use super::earlier::{Earlier, TIMELINE};
+use super::told::warn;
 use crate::cli::{ReportArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::report::{Source, chosen, page};
@@ -16,7 +18,7 @@ use planner::world::World;
 use std::path::Path;
 
 pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Failure> {
-    let file = arguments.folder.join("timeline.json");
+    let file = arguments.folder.join(TIMELINE);
     let (timeline, _) = Timeline::read(&file)?;
     let world = world(shared)?;
     same_inputs(&file, &timeline.provenance, &world)?;

@@ -1,6 +1,7 @@
 //! `gyrfalcon transits`: every passage of the targets through a line of sight.
 
-use super::{clipped, deliver, world};
+use super::asked::world;
+use super::delivered::{clipped, deliver};
 use crate::cli::{SharedArgs, TransitsArgs};
 use crate::failure::Failure;
 use ephem::time::format_tdb;
@@ -12,8 +13,8 @@ use onboard_core::hwp::hwp_phase;
 use onboard_core::phase::Phase;
 use onboard_core::sun::SunModel;
 use onboard_core::transit::Transit;
+use planner::opportunities::SightLine;
 use planner::opportunities::{Found, search};
-use planner::opportunities::{SightLine, select};
 use planner::provenance::Provenance;
 use planner::world::TableFault;
 use planner::world::World;
@@ -67,8 +68,7 @@ fn columns<'w>() -> [Column<Row<'w>>; 20] {
 pub(super) fn run(shared: &SharedArgs, arguments: &TransitsArgs) -> Result<(), Failure> {
     let mut world = world(shared)?;
     world.keep_targets(&arguments.target)?;
-    let lines =
-        select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
+    let lines = arguments.sight.lines(&world.mission)?;
     let tables = world.tables(&world.ground_options())?;
     let table = tables.parse()?;
     let found = search(&world, table, &lines)?;

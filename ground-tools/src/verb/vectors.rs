@@ -1,6 +1,9 @@
 //! `gyrfalcon vectors`: test vectors for flight code.
 
-use super::{pointing, print_json, sink, table, warn, world};
+use super::asked::world;
+use super::delivered::sink;
+use super::table::container;
+use super::told::{print_json, warn};
 use crate::cli::{Format, SharedArgs, VectorsArgs};
 use crate::failure::Failure;
 use crate::output::{Sink, to_stdout, write_folder};
@@ -10,7 +13,6 @@ use formats::vectors::{TransitVector, Vector, VectorSet, c_header};
 use mission::digest::sha256_hex;
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::time::Duration;
-use planner::opportunities::select;
 use planner::provenance::Provenance;
 use planner::world::World;
 use serde_json::json;
@@ -24,8 +26,7 @@ const MOST: usize = 1_000_000;
 pub(super) fn run(shared: &SharedArgs, arguments: &VectorsArgs) -> Result<(), Failure> {
     let mut world = world(shared)?;
     world.keep_targets(&arguments.target)?;
-    let lines =
-        select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
+    let lines = arguments.sight.lines(&world.mission)?;
     let times = instants(&world, arguments)?;
     let mut provenance = Provenance::of(&world);
     let (tables, bytes);
@@ -35,9 +36,9 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VectorsArgs) -> Result<(), Fa
             tables.parse()?
         }
         Some(file) => {
-            bytes = table::read(file)?;
+            bytes = container::read(file)?;
             provenance.table_sha256 = Some(sha256_hex(&bytes));
-            table::ephemeris(file, &bytes, &world.mission)?
+            container::ephemeris(file, &bytes, &world.mission)?
         }
     };
     let set = VectorSet::new(&world, ephemeris, &lines, times.into_iter())?;
@@ -56,10 +57,10 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VectorsArgs) -> Result<(), Fa
 
 /// The elapsed times asked for, rising where they are drawn or stepped.
 fn instants(world: &World, arguments: &VectorsArgs) -> Result<Vec<Duration>, Failure> {
+    let named = &arguments.instants;
     let whole = world.mission.span.duration.ns();
-    let times: Vec<Duration> = if arguments.step.is_some() || !arguments.at.is_empty() {
-        let times = pointing::times(world, arguments.step, &arguments.at)?;
-        times.take(MOST + 1).collect()
+    let times: Vec<Duration> = if named.step.is_some() || !named.at.is_empty() {
+        named.within(world.mission.span.duration)?.take(MOST + 1).collect()
     } else {
         let count = i64::from(arguments.count.map_or(DEFAULT_COUNT, std::num::NonZeroU32::get));
         let mut drawn: Vec<i64> = match arguments.seed {

@@ -4,6 +4,27 @@
 //! (ICRS), or a table of ecliptic unit vectors against elapsed seconds.
 //!
 //! Limits: a table of directions is named here and read where ephemerides are.
+//!
+//! # Example
+//! A source of the mission's own among its targets:
+//! ```
+//! use mission::{Mission, calibration::SourceDirection};
+//!
+//! let text = r#"
+//! base = "litebird"
+//! [calibration]
+//! targets = ["jupiter", "beacon"]
+//! [[calibration.source]]
+//! name = "beacon"
+//! ecliptic_longitude_deg = 84.1
+//! ecliptic_latitude_deg = -1.3
+//! "#;
+//! let mission = Mission::from_toml(text, "mine.toml", std::path::Path::new(""), &[])?;
+//! let beacon = &mission.calibration.sources[0];
+//! assert!(matches!(&beacon.direction, SourceDirection::Ecliptic { latitude_deg, .. }
+//!     if latitude_deg.text() == "-1.3"));
+//! # Ok::<(), mission::fault::MissionError>(())
+//! ```
 
 use crate::fault::{Problem, Warning};
 use crate::file_path::FilePath;

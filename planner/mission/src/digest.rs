@@ -1,4 +1,16 @@
 //! SHA-256 of what a mission and an output are made from.
+//!
+//! # Example
+//! A mission is known by the digest of its text with every key explicit, so a key at its default
+//! changes nothing:
+//! ```
+//! use mission::{Mission, Override, digest::sha256_hex};
+//!
+//! let preset = Mission::load("litebird", &[])?;
+//! let same = Mission::load("litebird", &[Override::set("scan.precession_sign=1")?])?;
+//! assert_eq!(sha256_hex(preset.resolved_toml()), same.digest());
+//! # Ok::<(), mission::fault::MissionError>(())
+//! ```
 
 use sha2::{Digest, Sha256};
 use std::fmt::Write;

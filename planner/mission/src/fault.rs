@@ -4,6 +4,20 @@
 //! a preset, or an option of the command line), the key, the value and the legal range.
 //!
 //! Limits: a text that is not TOML stops at its first fault.
+//!
+//! # Example
+//! Two faults at once, each where it stands:
+//! ```
+//! use mission::{Mission, Override};
+//!
+//! let set = [Override::set("scan.alpha_deg=200")?, Override::set("scan.bata_deg=50")?];
+//! let told = Mission::load("litebird", &set).err().ok_or("no fault")?.to_string();
+//! let lines: Vec<&str> = told.lines().collect();
+//! assert_eq!(lines.len(), 2);
+//! assert!(told.contains("scan.alpha_deg = 200 is out of range"));
+//! assert!(told.contains("unknown key scan.bata_deg; did you mean scan.beta_deg?"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::quantity::QuantityError;
 use std::fmt;

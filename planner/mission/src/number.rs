@@ -8,6 +8,18 @@
 //!
 //! Limits: exponents from -300 to 300 and at most 1,000 characters, so that no text costs more than
 //! microseconds.
+//!
+//! # Example
+//! LiteBIRD's sampling rate as its clock gives it; no f64 comes between the text and the rational:
+//! ```
+//! use mission::number::Number;
+//!
+//! let rate_hz = Number::parse("20e6/1048576")?;
+//! assert_eq!(rate_hz.text(), "20e6/1048576");
+//! assert_eq!(rate_hz.times(1_048_576, 1), *Number::parse("20000000")?.exact());
+//! assert_eq!(rate_hz.to_f64(), 19.073_486_328_125);
+//! # Ok::<(), mission::number::NumberError>(())
+//! ```
 
 use num_bigint::BigInt;
 use num_rational::BigRational;

@@ -4,6 +4,22 @@
 //! grows by 360 deg in 365.25 d.
 //!
 //! Limits: a trajectory is named here and read where ephemerides are.
+//!
+//! # Example
+//! Directions seen from the Earth's centre, and a Sun that turns uniformly from longitude 90 deg:
+//! ```
+//! use mission::orbit::Observer;
+//! use mission::{Mission, Override};
+//! use onboard_core::phase::Phase;
+//!
+//! let keys = ["orbit.observer=earth", "orbit.sun=circular", "orbit.start_longitude_deg=90"];
+//! let set = keys.map(Override::set).into_iter().collect::<Result<Vec<_>, _>>()?;
+//! let orbit = Mission::load("litebird", &set)?.orbit;
+//! assert_eq!(orbit.observer, Observer::Earth);
+//! let sun = orbit.circular_sun(Phase::ZERO).ok_or("the ephemeris's Sun")?;
+//! assert_eq!(sun.start, Phase::from_bits(1 << 62));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::file_path::FilePath;
 use crate::number::Number;

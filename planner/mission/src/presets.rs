@@ -1,6 +1,19 @@
 //! The missions that come with the program.
 //!
 //! Each is a mission file whose comments name the publication behind its numbers.
+//!
+//! # Example
+//! The spin period of every preset, in minutes:
+//! ```
+//! use mission::{Mission, presets};
+//!
+//! let spins = presets::NAMES.map(|name| {
+//!     Mission::load(name, &[]).map(|it| it.scan.spin_period_min.text().to_owned())
+//! });
+//! let spins = spins.into_iter().collect::<Result<Vec<String>, _>>()?;
+//! assert_eq!(spins, ["20.0", "1.0", "1.0", "2.15", "1.0", "2.0"]);
+//! # Ok::<(), mission::fault::MissionError>(())
+//! ```
 
 /// The presets' names, the default first.
 pub const NAMES: [&str; 6] = ["litebird", "pico", "planck", "wmap", "epic", "core"];

@@ -7,6 +7,17 @@
 //! seconds or degrees. A year is 365.25 d. Radians become degrees through 110 digits of pi.
 //!
 //! Limits: no sums of units (`1h30min`), no calendar months.
+//!
+//! # Example
+//! ```
+//! use mission::quantity::{degrees, seconds};
+//!
+//! assert_eq!(seconds("192.348min")?, seconds("11540.88s")?);
+//! assert_eq!(degrees("30arcmin")?, degrees("0.5deg")?);
+//! let told = seconds("20").map_err(|error| error.to_string());
+//! assert_eq!(told, Err("20 has no unit: one of ns, us, ms, s, min, h, d, y is needed".to_owned()));
+//! # Ok::<(), mission::quantity::QuantityError>(())
+//! ```
 
 use crate::number::{Number, NumberError};
 use crate::rounding;

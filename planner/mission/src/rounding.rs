@@ -7,6 +7,19 @@
 //!
 //! Limits: `rates_match_big_integers` and its neighbours hold them to values computed apart from
 //! this code.
+//!
+//! # Example
+//! A spin of 20 min as the flight core counts it, in 2^-128 turns per ns:
+//! ```
+//! use mission::{number::Number, rounding};
+//!
+//! let period_s = Number::parse("20")?.times(60, 1);
+//! let rate = rounding::turn_rate_of_period(&period_s, 1).ok_or("too fast")?;
+//! assert_eq!(rate.bits(), 283_568_639_100_782_052_886_145_506);
+//! let quarter = rounding::phase(&Number::parse("-270")?.times(1, 360));
+//! assert_eq!(quarter.bits(), 1 << 62);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::number::{Number, nearest};
 use num_bigint::BigInt;

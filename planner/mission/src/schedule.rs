@@ -2,6 +2,20 @@
 //!
 //! A constraint that is absent, or `"none"`, does not bind. Durations are exact numbers here and
 //! nanoseconds where the methods give them.
+//!
+//! # Example
+//! Saturn worth ten times as much as the rest, and no session longer than 20 min a day:
+//! ```
+//! use mission::{Mission, Override};
+//!
+//! let saturn = Override::set("calibration.schedule.weights.saturn=10")?;
+//! let day = Override::set("calibration.schedule.max_minutes_per_day=20")?;
+//! let rules = Mission::load("litebird", &[saturn, day])?.calibration.schedule;
+//! assert_eq!((rules.weight("saturn"), rules.weight("mars")), (10.0, 1.0));
+//! assert_eq!(rules.max_per_day().map(|it| it.seconds()), Some(1200.0));
+//! assert_eq!((rules.setup().seconds(), rules.cooldown().seconds()), (600.0, 300.0));
+//! # Ok::<(), mission::fault::MissionError>(())
+//! ```
 
 use crate::fault::Problem;
 use crate::file_path::FilePath;

@@ -50,7 +50,7 @@ pub struct TimeText {
 }
 
 /// What a time must look like.
-pub const TIME_NEED: &str = "a time from 1900 to 2200 as YYYY-MM-DDThh:mm:ss[.fffffffff] followed by TDB, TT, TAI, UTC or Z";
+const TIME_NEED: &str = "a time from 1900 to 2200 as YYYY-MM-DDThh:mm:ss[.fffffffff] followed by TDB, TT, TAI, UTC or Z";
 
 impl fmt::Display for TimeText {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -60,7 +60,7 @@ impl fmt::Display for TimeText {
 
 impl TimeText {
     /// Reads `2032-04-01T00:00:00 TDB`, `2032-04-01T00:00:00.5Z` and the like; `None` where it is
-    /// not [such a time](TIME_NEED).
+    /// no time from 1900 to 2200 in this form.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let text = text.trim();

@@ -5,6 +5,20 @@
 //! `Rotation<Detector, Boresight>`, the product. `hwp_sign` +1 is the sense of the crossing angle.
 //!
 //! Detectors are listed, or come from the key `detectors` (`mission::focal_plane`).
+//!
+//! # Example
+//! A grid of detectors 4 deg apart over the field of view of LiteBIRD's first telescope:
+//! ```
+//! use mission::{Mission, Override};
+//!
+//! let grid = Override::set("telescope.0.detectors={ grid_deg = 4.0 }")?;
+//! let lft = &Mission::load("litebird", &[grid])?.telescopes[0];
+//! assert_eq!((lft.name.as_str(), lft.fwhm_arcmin.text()), ("LFT", "23.7"));
+//! assert!(lft.detectors.len() > 1);
+//! let field = lft.field_of_view.ok_or("no field of view")?;
+//! assert_eq!(field.centre().xyz(), [0.0, 0.0, 1.0]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::detector::rotation;
 use crate::fault::{Problem, Warning};

@@ -13,19 +13,20 @@ use std::f64::consts::{PI, TAU};
 
 /// ZYZ Euler angles, radians; any number of turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Angles {
+#[expect(clippy::struct_field_names, reason = "the unit stands in every name")]
+pub(super) struct Angles {
     /// a + b.
-    pub sum_rad: f64,
+    pub(super) sum_rad: f64,
     /// b - a.
-    pub difference_rad: f64,
+    pub(super) difference_rad: f64,
     /// Alpha, in [0, pi].
-    pub alpha_rad: f64,
+    pub(super) alpha_rad: f64,
 }
 
 impl Angles {
     /// Of an attitude in the anti-Sun frame.
     #[must_use]
-    pub fn of(attitude: Rotation<Spin, AntiSun>) -> Self {
+    pub(super) fn of(attitude: Rotation<Spin, AntiSun>) -> Self {
         let [x, y, z, w] = attitude.to_xyzw();
         Self {
             sum_rad: 2.0 * z.atan2(w),
@@ -36,20 +37,20 @@ impl Angles {
 
     /// Precession phase a.
     #[must_use]
-    pub fn precession_rad(&self) -> f64 {
+    pub(super) fn precession_rad(&self) -> f64 {
         0.5 * (self.sum_rad - self.difference_rad)
     }
 
     /// Spin phase b.
     #[must_use]
-    pub fn spin_rad(&self) -> f64 {
+    pub(super) fn spin_rad(&self) -> f64 {
         0.5 * (self.sum_rad + self.difference_rad)
     }
 }
 
 /// An angle less whole turns, in [-pi, pi].
 #[must_use]
-pub fn wrapped(angle_rad: f64) -> f64 {
+pub(super) fn wrapped(angle_rad: f64) -> f64 {
     let turns = angle_rad / TAU;
     ((turns - turns.round()) * TAU).clamp(-PI, PI)
 }

@@ -20,7 +20,7 @@
 //!
 //! let at = |seconds| Instant::from_tai_ns(0).plus(Duration::from_seconds(seconds));
 //! let start = Phase::from_bits(0);
-//! let rotor = |bits| Rotor { rate: TurnRate::from_bits(1 << (128 - bits)), start };
+//! let rotor = |bits| Rotor { rate: TurnRate::from_bits(1_u128 << (128 - bits)), start };
 //! let (precession, spin, alpha_rad, beta_rad) = (rotor(43), rotor(40), 0.79, 0.87);
 //! let scan = ScanParameters { start: at(0.0), alpha_rad, beta_rad, precession, spin };
 //! let pass = |detector, entry, exit| {

@@ -4,7 +4,7 @@
 //! to a body to avoid where, at the entry, the closest approach or the exit of any of its passes, the
 //! body stands nearer to that line of sight than its limit. Contacts and blackouts are read from CSV
 //! files with a header (`start_utc, end_utc, bit_s`; `start_utc, end_utc, reason`), lines beginning
-//! with `#` left out; blackouts also from an iCalendar file ([`crate::calendar`]).
+//! with `#` left out; blackouts also from an iCalendar file ([`mission::occasions`]).
 //!
 //! Limits: between these three instants of a pass a body to avoid may come nearer by what the line of
 //! sight moves.

@@ -5,9 +5,8 @@
 
 use crate::opportunities::{Found, Opportunity};
 use crate::world::{TableFault, World, body};
-use crate::worth::signal::{hwp_coverage, impact_rad, strength};
 use crate::worth::strength::Strength;
-use crate::worth::{Scene, WorthError};
+use crate::worth::{Scene, WorthError, hwp_coverage, impact_rad, strength};
 use onboard_core::attitude::sweep;
 use onboard_core::hwp::hwp_phase;
 use onboard_core::time::{Duration, Instant};

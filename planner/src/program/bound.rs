@@ -6,8 +6,8 @@
 //! `b . z + sum_c reserve_c(g_c) + sum_i max over open x_i of (v_i + (W^T g)_i - (A^T z)_i) x_i`,
 //!
 //! since `z . (b - A x) >= 0` and `G_c(s) <= reserve_c(g_c) + g_c s` (`gain.rs`): weak duality, which
-//! holds for any z and g, however found. The term of x_i is its reduced cost; where the bound less its
-//! magnitude is no more than a known value, x_i is the same in every better set (reduced-cost fixing).
+//! holds for any z and g, however found. The term of `x_i` is its reduced cost; where the bound less its
+//! magnitude is no more than a known value, `x_i` is the same in every better set (reduced-cost fixing).
 //!
 //! Method: prices and slopes are integers of 2^-32 unit, so nothing is rounded after they are chosen but
 //! the last result, down to a whole unit: values of sets are whole.

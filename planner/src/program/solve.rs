@@ -55,7 +55,7 @@ pub(crate) fn solve_from(
     if root.is_reached() {
         end.ended = Ended::Proven;
     }
-    Ok(root.outcome(own_rows, end))
+    Ok(root.outcome(own_rows, &end))
 }
 
 /// Whether what must be taken leaves every row of coefficients at or above zero intact.
@@ -259,7 +259,7 @@ impl<'a> Root<'a> {
     }
 
     /// What was found, for a programme of `own_rows` rows.
-    fn outcome(self, own_rows: usize, end: End) -> Outcome {
+    fn outcome(self, own_rows: usize, end: &End) -> Outcome {
         let known = self.known();
         let value = self.best.as_ref().map_or(0, |(_, value)| *value);
         let marks = self.best.map(|(marks, _)| marks);

@@ -14,8 +14,8 @@
 //! 3. pairs that can meet at one m somewhere in the slice add amplitudes, others add powers.
 //!
 //! The slice with the largest bound is halved until the box passes, some point exceeds the allowance
-//! or [`MOST_SLICES`] are used. Off the circle the products of pairs in a box with such a point
-//! are not looked at finely.
+//! or [`MOST_SLICES`] are used. Where the orbit is no circle and a point already exceeds the
+//! allowance, products of pairs are bounded coarsely: they cannot change the verdict.
 //!
 //! An [`Orbit`] whose longitude advances between `1 - r` and `1 + r` times its mean rate spreads a pair
 //! over `m* / (1 +- r)`, by the coefficients that it computes. A latitude b tilts the pattern: where

@@ -5,6 +5,25 @@
 //! does: see [`crate::resonance`].
 //!
 //! Limits: one detector on the boresight; pixels to `N_side` 512.
+//!
+//! # Example
+//! LiteBIRD's periods pass; precessing in 192 min, 48/5 of the spin's 20 min, does not:
+//! ```
+//! use mission::{Mission, Override};
+//! use planner::resonance::{Window, check::ResonanceCheck};
+//! use planner::{healpix::Nside, world::World};
+//!
+//! let judged = |precession: &str| -> Result<_, Box<dyn std::error::Error>> {
+//!     let mission = Mission::load("litebird", &[Override::set(precession)?])?;
+//!     let world = World::open(mission, None)?;
+//!     Ok(ResonanceCheck::new(&world, Window::pixel(Nside::new(64)?)?, None)?.certify()?)
+//! };
+//! let published = judged("scan.precession_period_min=192.348")?;
+//! assert!(published.certificate.passes && published.certificate.excess < published.allowed);
+//! let resonant = judged("scan.precession_period_min=192")?;
+//! assert_eq!(resonant.certificate.worst.map(|it| (it.p, it.q)), Some((48, 5)));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::certificate::{Certificate, CertificateError};
 use super::crosslink::Crosslink;

@@ -14,6 +14,26 @@
 //!
 //! Limits: predictions are those of a circular orbit; certificates follow the real one. One detector
 //! on the boresight.
+//!
+//! # Example
+//! LiteBIRD's periods pass within their tolerances; at 192 min every fifth precession repeats itself.
+//! ```
+//! use planner::{healpix::Nside, resonance::*};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let window = Window::pixel(Nside::new(64)?)?;
+//! let mut predictor = Predictor::new(45_f64.to_radians(), 50_f64.to_radians(), window);
+//! let motion = Motion::year(192.348 * 60.0, 1200.0);
+//! let tolerance = Tolerance { precession_s: 0.6, spin_s: 0.06 };
+//! let floor = predictor.floor(&motion);
+//! let check = predictor.certify(&motion, tolerance, &Orbit::CIRCULAR, [floor, 0.01])?;
+//! assert!(check.passes && check.sigma_bound >= check.sigma_predicted);
+//!
+//! let resonant = predictor.predict(&Motion::year(192.0 * 60.0, 1200.0));
+//! assert_eq!(resonant.resonances[0].fraction(), [48, 5]);
+//! assert!(resonant.sigma() > 1.01 * floor);
+//! # Ok(())
+//! # }
+//! ```
 
 mod wigner;
 mod motion;

@@ -9,7 +9,7 @@
 //! (`daily/`) dualises the rows that link days, searches each day exactly, and gives a schedule and a
 //! bound; the integer programme of all rules (`joint/`, [`program`](crate::program)) starts from it and
 //! gives another bound (`solve.rs`). Where the rules contradict each other, a minimal infeasible subset
-//! of them is reported (`infeasible.rs`). The result passes [`check`], which shares no code with the
+//! of them is reported (`infeasible.rs`). The result passes [`check()`], which shares no code with the
 //! rest; each candidate left out gets the rule that excludes it (`explain.rs`), each rule its use and
 //! its shadow price (`usage.rs`). All arithmetic on time is in integer nanoseconds, on value in integers.
 //!

@@ -84,31 +84,38 @@ pub fn schedule_until(
 /// Which searches a problem gets.
 #[derive(Debug, Clone, Copy)]
 struct Regime {
-    /// More than [`MANY`] sessions.
-    many: bool,
+    sessions: usize,
+    /// Rules beyond those of single days and windows.
+    demands: bool,
     /// There is a search by days.
     by_days: bool,
-    /// Demands join the days, and the programme can do more about them.
-    together: bool,
-    /// The search by days is missing, or does not know all rules.
-    alone: bool,
 }
 
 impl Regime {
     fn of(demands: &Demands, sessions: usize) -> Self {
         let by_days = demands.log.is_none() && sessions > FEW;
-        Self {
-            many: sessions > MANY,
-            by_days,
-            together: !demands.is_empty() && sessions <= STILL_TOGETHER,
-            alone: !by_days || !demands.is_empty(),
-        }
+        Self { sessions, demands: !demands.is_empty(), by_days }
+    }
+
+    /// More than [`MANY`] sessions.
+    const fn many(self) -> bool {
+        self.sessions > MANY
+    }
+
+    /// Demands join the days, and the programme can do more about them.
+    const fn together(self) -> bool {
+        self.demands && self.sessions <= STILL_TOGETHER
+    }
+
+    /// The search by days is missing, or does not know all rules.
+    const fn alone(self) -> bool {
+        !self.by_days || self.demands
     }
 
     /// Limits of the programme's search.
     fn limits(self) -> Limits {
-        match (self.many, self.alone) {
-            (true, _) if self.together => TOGETHER,
+        match (self.many(), self.alone()) {
+            (true, _) if self.together() => TOGETHER,
             (true, _) => FEWER,
             (false, false) => BESIDE,
             (false, true) => Limits { work: ALONE_WORK, ..Limits::default() },
@@ -142,12 +149,12 @@ impl Prepared {
         let (days, (charged, (ready, grown))) = rayon::join(
             || regime.by_days.then(|| Days::new(problem, (model, relaxed), progress)),
             || {
-                if regime.by_days && regime.together {
+                if regime.by_days && regime.together() {
                     let (ready, grown) = grow(program, &families, (ROW_ROUNDS, offset));
                     let charged = ready.as_ref().map(|ready| charged(program, ready, further));
                     let quiet = StopOnly(progress);
                     (charged.and_then(|it| Days::charged(model, &it, &quiet)), (ready, grown))
-                } else if regime.many {
+                } else if regime.many() {
                     (None, (relax(program, &relaxed.shares), Vec::new()))
                 } else {
                     (None, (None, Vec::new()))
@@ -207,7 +214,7 @@ impl<'s> Search<'s> {
         let ready = self.prepared.ready.clone();
         let program = &self.built.program;
         let mut found = self.attempt((program, &self.regime.limits()), &self.start(), ready)?;
-        if self.regime.alone || found.ended != Ended::Work {
+        if self.regime.alone() || found.ended != Ended::Work {
             return Some(found);
         }
         let model = self.built.model;

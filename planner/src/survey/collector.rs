@@ -129,6 +129,7 @@ impl Collector {
     #[must_use]
     pub fn finish(mut self) -> SurveyMaps {
         self.merged();
+        self.shares.truncate(1);
         self.shares.swap_remove(0).into_maps()
     }
 
@@ -183,5 +184,106 @@ fn run_task<const LANES: usize>(
         #[cfg(target_arch = "x86_64")]
         Set::Avx2(it) => it.vectorize(Task::<true, LANES> { kernel, runs, scratch, sums }),
         Set::Portable | Set::Plain => Task::<false, LANES> { kernel, runs, scratch, sums }.call(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::healpix::Nside;
+    use crate::progress::Quietly;
+    use crate::survey::{
+        BigRational, ExactRotor, MapFrame, Moment, SampledScan, SamplingError, SurveyDetector,
+        SurveySun,
+    };
+    use onboard_core::phase::Phase;
+    use onboard_core::time::Instant;
+    use std::sync::atomic::AtomicU64;
+
+    fn survey(hz: i64) -> Survey {
+        let period = |seconds: i64| {
+            let period_s = BigRational::from_integer(seconds.into());
+            ExactRotor::with_period(&period_s, Phase::ZERO).unwrap()
+        };
+        Survey {
+            scan: SampledScan {
+                start: Instant::from_tai_ns(0),
+                sampling_hz: BigRational::from_integer(hz.into()),
+                alpha_rad: 0.8,
+                beta_rad: 0.9,
+                precession: period(11_541),
+                spin: period(1201),
+            },
+            sun: SurveySun::circular(Phase::ZERO),
+            detectors: vec![SurveyDetector::BORESIGHT; 2],
+            nside: Nside::new(4).unwrap(),
+            frame: MapFrame::Galactic,
+            moments: vec![Moment::new(2.0, 0.0).unwrap()],
+        }
+    }
+
+    /// Hits and bits of all pixels.
+    fn bits(maps: &SurveyMaps) -> (Vec<u64>, Vec<u64>) {
+        let parts = maps.moment_maps().iter().map(|part| part.to_bits());
+        (maps.hits_map().to_vec(), parts.collect())
+    }
+
+    #[test]
+    fn maps_on_the_way_are_those_of_their_span() {
+        let survey = survey(1);
+        let mut collector = Collector::new(survey.clone(), Isa::best()).unwrap();
+        collector.collect(0..50_000, 2, &Quietly).unwrap();
+        let half = survey.run(0..50_000, 0, &Quietly).unwrap();
+        assert_eq!(bits(&collector.maps()), bits(&half));
+        collector.collect(50_000..100_000, 3, &Quietly).unwrap();
+        let whole = survey.run(0..100_000, 1, &Quietly).unwrap();
+        // Another division into blocks: the same hits, and h to what the kernel promises.
+        let parts = collector.finish();
+        assert_eq!(parts.hits_map(), whole.hits_map());
+        for (a, b) in parts.moment_maps().iter().zip(whole.moment_maps()) {
+            assert!((a - b).abs() < 1e-10 || (a.is_nan() && b.is_nan()), "{a} {b}");
+        }
+        assert_eq!(whole.hits_map().iter().sum::<u64>(), 200_000);
+        assert_eq!((whole.frame(), whole.nside().get()), (MapFrame::Galactic, 4));
+    }
+
+    /// Asks for an end once some samples are done, and keeps what it was told.
+    #[derive(Default)]
+    struct Impatient {
+        begun: AtomicU64,
+        done: AtomicU64,
+    }
+
+    impl Progress for Impatient {
+        fn begin(&self, _step: &str, units: u64) {
+            self.begun.store(units, Ordering::Relaxed);
+        }
+
+        fn advance(&self, units: u64) {
+            self.done.fetch_add(units, Ordering::Relaxed);
+        }
+
+        fn stopped(&self) -> bool {
+            self.done.load(Ordering::Relaxed) > 0
+        }
+    }
+
+    #[test]
+    fn an_early_end_is_told_and_keeps_what_was_collected() {
+        let watch = Impatient::default();
+        let mut collector = Collector::new(survey(1), Isa::best()).unwrap();
+        let ended = collector.collect(0..10_000_000, 2, &watch);
+        assert_eq!(ended, Err(SurveyError::Stopped));
+        assert_eq!(watch.begun.into_inner(), 20_000_000);
+        let collected: u64 = collector.finish().hits_map().iter().sum();
+        assert_eq!(collected, watch.done.into_inner());
+        assert!(collected < 20_000_000);
+    }
+
+    #[test]
+    fn what_cannot_be_sampled_is_refused_at_once() {
+        let refused = Collector::new(survey(0), Isa::PLAIN).unwrap_err();
+        assert_eq!(refused, SurveyError::Sampling(SamplingError::NotPositive { hz: 0.0 }));
+        assert_eq!(survey(0).run(0..1, 1, &Quietly).unwrap_err(), refused);
     }
 }

@@ -1,6 +1,27 @@
 //! A mission as a survey takes it: periods, rates and the sampling rate as the rationals of its text.
 //!
 //! The survey rounds each of them once, so sample j lies at exactly j / `f_s` whatever the rates are.
+//!
+//! # Example
+//! The hit map of a preset's first day through the mission boresight, at 1 Hz:
+//! ```
+//! use mission::{Mission, Override, number::Number};
+//! use planner::survey::{MapFrame, SunSource, SunTable, Survey, SurveySun, input::SurveyInput};
+//! use planner::{healpix::Nside, opportunities::boresight, progress::Quietly, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=1")?])?;
+//! let world = World::open(mission, None)?;
+//! let lines = [boresight(&world.mission)?];
+//! let input = SurveyInput::new(&world, &lines, &Number::parse("1")?)?;
+//! let table = SunTable::new(world.tables(&world.ground_options())?.fitted.bytes);
+//! let source = SunSource::Table(table.map_err(|error| format!("{error:?}"))?);
+//! let (sun, nside) = (SurveySun { source, step: None }, Nside::new(32)?);
+//! let SurveyInput { scan, detectors, samples, .. } = input;
+//! let (frame, moments) = (MapFrame::Galactic, Vec::new());
+//! let maps = Survey { scan, sun, detectors, nside, frame, moments }.run(0..samples, 0, &Quietly)?;
+//! assert_eq!(maps.hits_map().iter().sum::<u64>(), 86_400);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::{ExactRotor, SampledScan, SamplingError, SurveyDetector};
 use crate::opportunities::SightLine;

@@ -49,8 +49,11 @@ fn turns_per_sample(turns_per_s: &BigRational, hz: &BigRational) -> TurnRate {
 /// `hz` is not zero.
 pub(super) fn sampling_period(hz: &BigRational) -> Option<u128> {
     let ns = BigRational::from_integer(1_000_000_000.into()) / hz;
-    let bits = (ns * BigRational::from_integer(BigInt::one() << 64_u32)).ceil().to_integer();
-    bits.to_u128().filter(|bits| (1..1 << 127).contains(bits))
+    let exact = ns * BigRational::from_integer(BigInt::one() << 64_u32);
+    if exact < BigRational::one() {
+        return None;
+    }
+    exact.ceil().to_integer().to_u128().filter(|bits| *bits < 1 << 127)
 }
 
 #[cfg(test)]

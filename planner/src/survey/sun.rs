@@ -9,7 +9,9 @@
 //! Limits: a survey beyond the table's span ends with an error.
 
 use super::rates::ExactRotor;
+use num_rational::BigRational;
 use onboard_core::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SUN};
+use onboard_core::phase::Phase;
 use onboard_core::sun::SunModel;
 use onboard_core::time::Duration;
 use std::sync::Arc;
@@ -38,6 +40,21 @@ pub struct SunTable {
     bytes: Arc<[u8]>,
 }
 
+/// Seconds in which the circular Sun goes round: 365.25 days.
+const YEAR_S: i64 = 31_557_600;
+
+impl SurveySun {
+    /// The circular Sun, which goes round in 365.25 days from an anti-Sun longitude at sample 0.
+    #[must_use]
+    pub fn circular(longitude: Phase) -> Self {
+        let turns_per_s = BigRational::new(1.into(), YEAR_S.into());
+        Self {
+            source: SunSource::Circular(ExactRotor { turns_per_s, start: longitude }),
+            step: None,
+        }
+    }
+}
+
 impl SunTable {
     /// The table in these bytes.
     ///
@@ -59,5 +76,17 @@ impl SunTable {
 
     fn sun(&self) -> Result<BodyTable<'_>, EphemerisError> {
         EphemerisTable::parse(&self.bytes)?.body(SUN)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_without_the_sun_is_refused() {
+        assert_eq!(SunTable::new(vec![0; 5]).unwrap_err(), EphemerisError::WrongLength);
+        // No spans, no coefficients.
+        assert_eq!(SunTable::new(vec![0; 8]).unwrap_err(), EphemerisError::NoSuchBody(SUN));
     }
 }

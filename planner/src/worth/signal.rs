@@ -5,7 +5,7 @@
 //! Its size is the least separation, but for the target's own motion.
 //!
 //! Method: offset and velocity in the frame of the line of sight, v = (sin zeta, cos zeta), so that
-//! z x v = (-cos zeta, sin zeta). Strengths are [`super::strength`]'s at the middle of the session,
+//! z x v = (-cos zeta, sin zeta). Strengths are [`mod@super::strength`]'s at the middle of the session,
 //! at the distance of the mission's ephemeris; a source of the user's has the flux that is given.
 //!
 //! Limits: those of [`super::strength::table`]; a strength is that of the beam's centre.

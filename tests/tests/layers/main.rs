@@ -23,39 +23,12 @@ use std::path::{Path, PathBuf};
 
 /// Files, each with the folder it lies in, that may import each other in circles from folder to
 /// folder; a folder with `/` at its end stands for all its files.
-const ACROSS_FOLDERS: &[&[&str]] = &[
-    &["src/fit.rs", "fit/body.rs"],
-    &["src/kernel.rs", "kernel/error.rs"],
-    &["src/oem.rs", "oem/meta.rs"],
-    &["src/spk.rs", "spk/segment.rs"],
-    &["cli/arguments.rs", "cli/mod.rs", "product/files.rs"],
-    &["verb/mod.rs", "resonance/mod.rs", "survey/mod.rs", "table/mod.rs", "verify/mod.rs"],
-];
+const ACROSS_FOLDERS: &[&[&str]] = &[];
 
 /// The same for circles that stay in one folder.
 const IN_ONE_FOLDER: &[&[&str]] = &[
-    &["src/apparent.rs", "src/source.rs"],
-    &["time/text.rs", "time/utc.rs"],
-    &["src/calendar.rs", "src/demands.rs", "src/timeline.rs"],
-    &["src/demands.rs", "src/purposes.rs"],
-    &["src/columns.rs", "src/rows.rs"],
-    &["src/provenance.rs", "src/world.rs"],
-    &["history/"],
-    &["mission/"],
-    &["picture/mod.rs", "picture/render.rs"],
-    &["picture/raster.rs", "picture/sky.rs"],
-    &["report/"],
-    &["verb/"],
-    &["survey/mod.rs", "survey/sky.rs"],
-    &["table/"],
-    &["verify/mod.rs", "verify/report.rs"],
-    &["sequencer/check.rs", "sequencer/event.rs", "sequencer/mod.rs"],
-    &["program/"],
-    &["resonance/bound.rs", "resonance/certificate.rs"],
-    &["resonance/pairs.rs", "resonance/power.rs"],
-    &["schedule/"],
-    &["survey/kernel.rs", "survey/mod.rs", "survey/pending.rs", "survey/plain.rs"],
-    &["visits/arc.rs", "visits/crossing.rs"],
+    &["sequencer/check.rs", "sequencer/mod.rs"],
+    &["sequencer/event.rs", "sequencer/mod.rs"],
 ];
 
 /// The largest number that a measure may have.
@@ -79,14 +52,14 @@ const LIMITS: &[Limit] = &[
     Limit {
         what: "lines below ground-tools/src",
         measured: || vec![("ground-tools/src".into(), lines_below("ground-tools/src"))],
-        at_most: 25_500,
+        at_most: 12_000,
         goal: 12_000,
         reason: "the command's crate holds what a person types and reads, not what is computed",
     },
     Limit {
         what: "rooms of ground-tools/src",
         measured: || vec![("ground-tools/src".into(), rooms("ground-tools/src").len())],
-        at_most: 52,
+        at_most: 12,
         goal: 12,
         reason: "a newcomer finds the place for a change by the names at the top",
     },

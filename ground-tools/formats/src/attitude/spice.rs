@@ -17,29 +17,12 @@
 
 use super::aem::sampling;
 use super::samples::{Attitudes, Span, sampled, turned};
+use super::spice_error::SpiceError;
 use crate::error::WriteError;
 use ephem::time::format_utc;
 use onboard_core::time::Instant;
 use rayon::prelude::*;
 use std::io::Write;
-use thiserror::Error;
-
-/// Why a C-kernel cannot hold the attitudes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum SpiceError {
-    /// There are none.
-    #[error("a SPICE C-kernel holds attitudes, and this plan has no session")]
-    Empty,
-    /// An instant that the clock kernel does not reach.
-    #[error(
-        "{} lies outside the SPICE clock, which runs from 2000-01-01T12:00:00 TAI to 2285",
-        format_utc(*_0)
-    )]
-    OutsideClock(Instant),
-    /// More numbers than its addresses can name.
-    #[error("the C-kernel would hold {0} numbers, more than its addresses can name")]
-    TooLarge(usize),
-}
 
 /// Bytes of a record.
 const RECORD: usize = 1024;

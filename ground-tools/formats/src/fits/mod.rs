@@ -10,6 +10,27 @@
 //!
 //! Limits: whole skies with implicit pixel numbers, numeric columns, `nside` up to
 //! [`MAX_NSIDE`](planner::healpix::MAX_NSIDE).
+//!
+//! # Example
+//! A map as bytes, and back:
+//! ```
+//! use formats::fits::*;
+//! use planner::healpix::{Nside, Ordering};
+//!
+//! let (nside, ordering, frame) = (Nside::new(4)?, Ordering::Nested, MapFrame::Galactic);
+//! let name = "SURVEY".to_owned();
+//! let header = MapHeader { nside, ordering, frame, name, polcconv: None, cards: Vec::new() };
+//! let hits = |pixel: u32| i64::from(pixel % 7);
+//! let column = Column { name: "HITS", unit: "", values: Values::Integer(&hits) };
+//! let mut bytes = Vec::new();
+//! write_maps(&mut bytes, &header, &[column])?;
+//! assert!(bytes.starts_with(b"SIMPLE  =                    T") && bytes.len() % 2880 == 0);
+//!
+//! let frames = Frames { accepted: &[MapFrame::Galactic], unsaid: None };
+//! let map = read_map_from(&mut bytes.as_slice(), ColumnChoice::Name("hits"), frames)?;
+//! assert_eq!((map.nside, map.ordering, map.values[6]), (nside, ordering, 6.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod card;
 mod error;

@@ -9,6 +9,25 @@
 //!
 //! Limits: quaternions whose norm is off by more than 1e-3 (four decimals) are refused. GCRF, EME2000
 //! and J2000 are taken as ICRF (23 mas at most). Times must rise, in an AEM within each segment.
+//!
+//! # Example
+//! Two attitudes of a CSV, the second 4 s later and a quarter turn about z further:
+//! ```
+//! use formats::history::History;
+//! use planner::time::{Instant, parse_time};
+//!
+//! let text = "\
+//! time_utc,q_x,q_y,q_z,q_w
+//! 2032-04-01T00:00:00Z,0,0,0,1
+//! 2032-04-01T00:00:04Z,0,0,0.7071,0.7071
+//! ";
+//! let history = History::parse(text, Instant::from_tai_ns(0))?;
+//! let [first, second] = &history.rows[..] else { return Err("two rows".into()) };
+//! assert_eq!((history.form, first.at), ("CSV", parse_time("2032-04-01T00:00:00Z")?));
+//! assert_eq!((second.line, second.at.since(first.at).seconds()), (3, 4.0));
+//! assert!((second.quaternion[2] - 0.5_f64.sqrt()).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod error;
 mod row;

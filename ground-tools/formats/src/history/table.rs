@@ -104,7 +104,8 @@ fn instant(
             Ok(start.plus(Duration::from_ns(ns)))
         }
         Clock::Civil(scale) => {
-            let bare = if scale == "UTC" { text.strip_suffix('Z').unwrap_or(text) } else { text };
+            let bare =
+                if scale == "UTC" { text.strip_suffix(['Z', 'z']).unwrap_or(text) } else { text };
             parse_time(&format!("{bare} {scale}"))
                 .map_err(|fault| HistoryError::Time { line, fault })
         }

@@ -5,6 +5,26 @@
 //! CSV: provenance as comments, a header, shortest round-trip numbers, nothing for what is not known.
 //! JSON lines: an object per row, null for what is not known, the first row with the provenance too.
 //! Parquet: [`parquet`].
+//!
+//! # Example
+//! The sessions of a day's plan as CSV: provenance, the columns' names, a row per session:
+//! ```
+//! use formats::{rows::Format, timeline::timeline};
+//! use mission::{Mission, Override};
+//! use planner::plan::{Revision, plan};
+//! use planner::{progress::Quietly, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=1")?])?;
+//! let world = World::open(mission, None)?;
+//! let timeline = timeline(&world, &plan(&world, &Revision::default(), &Quietly)?, None)?;
+//! let mut csv = Vec::new();
+//! timeline.write_table(&mut csv, Format::Csv)?;
+//! let csv = String::from_utf8(csv)?;
+//! let rows: Vec<&str> = csv.lines().filter(|line| !line.starts_with('#')).collect();
+//! assert!(csv.starts_with("# mission: LiteBIRD\n") && rows[0].starts_with("id,target,telescope,"));
+//! assert!(rows[1].starts_with("MFT-jupiter-000003,jupiter,MFT,2032-04-01T11:48:29.455373650Z,"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod column;
 mod parquet;

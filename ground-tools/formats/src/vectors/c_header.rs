@@ -5,6 +5,23 @@
 //! count as a macro. Units, frames and signs stand in the header's comments.
 //!
 //! Limits: C has no empty arrays; one that would be has a row of zeros, and its count says 0.
+//!
+//! # Example
+//! ```
+//! use formats::vectors::{VectorSet, c_header};
+//! use mission::{Mission, Override};
+//! use planner::{opportunities::boresight, provenance::Provenance, time::Duration, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=1")?])?;
+//! let world = World::open(mission, None)?;
+//! let tables = world.tables(&world.ground_options())?;
+//! let lines = [boresight(&world.mission)?];
+//! let start = [Duration::ZERO];
+//! let set = VectorSet::new(&world, tables.parse()?, &lines, start.into_iter())?;
+//! let header = c_header::text(&set, &Provenance::of(&world));
+//! assert!(header.contains("#define GYRFALCON_START_TAI_NS INT64_C(1017662367814344741)\n"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use super::{TransitVector, Vector, VectorSet};
 use onboard_core::field_of_view::FieldShape;

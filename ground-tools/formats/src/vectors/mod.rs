@@ -8,6 +8,25 @@
 //!
 //! Limits: the Sun's direction comes from a table; each vector states the one used, so that the
 //! attitude can be tested apart from the table.
+//!
+//! # Example
+//! What the mission boresight does 3700 s after the start, and its transits of Jupiter in 20 days:
+//! ```
+//! use formats::vectors::VectorSet;
+//! use mission::{Mission, Override};
+//! use planner::{opportunities::boresight, time::Duration, world::World};
+//!
+//! let mission = Mission::load("litebird", &[Override::set("span.duration_days=20")?])?;
+//! let mut world = World::open(mission, None)?;
+//! world.keep_targets(&["jupiter".to_owned()])?;
+//! let tables = world.tables(&world.ground_options())?;
+//! let lines = [boresight(&world.mission)?];
+//! let later = [Duration::from_seconds(3700.0)];
+//! let set = VectorSet::new(&world, tables.parse()?, &lines, later.into_iter())?;
+//! assert_eq!((set.vectors[0].precession_count, set.vectors[0].spin_count), (0, 3));
+//! assert_eq!((set.transits.len(), set.transits[0].target, set.transits[0].body), (15, "jupiter", 5));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod c_header;
 

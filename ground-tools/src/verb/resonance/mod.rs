@@ -7,7 +7,9 @@
 mod options;
 mod figure;
 
-use super::{deliver, mission, print_json, sink, tell};
+use super::asked::world;
+use super::delivered::{deliver, sink};
+use super::told::{print_json, tell};
 use crate::cli::{ResonanceArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
@@ -53,7 +55,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
     let tolerance = arguments.tolerance.as_deref().map(options::tolerance).transpose()?;
     let actuators = Actuators::read(&arguments.actuators)?;
     let scan = arguments.scan.as_deref().map(Periods::scan).transpose()?;
-    let mut world = World::open(mission(shared)?, shared.ephemeris.as_deref())?;
+    let mut world = world(shared)?;
     world.targets.clear();
     let span_s = world.end.since(world.start).seconds();
     let duration_s = shared.duration.is_some().then_some(span_s);
@@ -85,7 +87,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
     let points: Vec<Point> =
         scan.iter().flat_map(Periods::minutes).map(|minutes| point(&mut check, minutes)).collect();
     let provenance = Provenance::of(&world);
-    let drawn = arguments.png.is_some() || arguments.svg.is_some();
+    let drawn = arguments.figures.asked();
     if scan.is_some() && !shared.json && !drawn {
         return rows(shared, &points, &provenance);
     }
@@ -108,7 +110,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
         );
         let drawing = figure(&title, &points, &checked, recommended.as_ref())?;
         let figures = [Figure { stem: "resonance".to_owned(), drawing }];
-        files = write_figures([arguments.png.as_deref(), arguments.svg.as_deref()], &figures)?;
+        files = write_figures(arguments.figures.folders(), &figures)?;
     }
     let report = Report {
         world: &world,

@@ -1,8 +1,8 @@
 //! The options of `resonance`, checked: a sentence for each that is not legal.
 
+use crate::cli::quantities::angle_rad;
 use crate::cli::{ActuatorArgs, ResonanceArgs};
 use crate::failure::Failure;
-use crate::verb::table::angle;
 use formats::resonance::minutes;
 use mission::number::{Number, nearest};
 use mission::quantity;
@@ -23,7 +23,7 @@ const SPIN_STEPS: i64 = 10;
 
 pub(super) fn window(arguments: &ResonanceArgs) -> Result<Window, Failure> {
     if let Some(text) = &arguments.fwhm {
-        return Window::beam(angle("--fwhm", text)?)
+        return Window::beam(angle_rad("--fwhm", text)?)
             .map_err(|error| Failure::Input(format!("--fwhm {text}: {error}")));
     }
     let nside = arguments.nside.unwrap_or(NSIDE);
@@ -230,24 +230,12 @@ pub(super) struct Actuators {
 impl Actuators {
     /// Where any option names one.
     pub(super) fn read(arguments: &ActuatorArgs) -> Result<Option<Self>, Failure> {
-        let ActuatorArgs {
-            precession_rate_error,
-            precession_rate_step,
-            precession_rate_drift,
-            spin_rate_error,
-            spin_rate_step,
-            spin_rate_drift,
-            correct_every,
-        } = arguments;
-        let named = [
-            precession_rate_error,
-            precession_rate_step,
-            precession_rate_drift,
-            spin_rate_error,
-            spin_rate_step,
-            spin_rate_drift,
-        ];
-        if named.iter().all(|it| it.is_none()) {
+        let it = arguments;
+        let precession =
+            [&it.precession_rate_error, &it.precession_rate_step, &it.precession_rate_drift];
+        let spin = [&it.spin_rate_error, &it.spin_rate_step, &it.spin_rate_drift];
+        let correct_every = &it.correct_every;
+        if precession.iter().chain(&spin).all(|it| it.is_none()) {
             return match correct_every {
                 None => Ok(None),
                 Some(text) => Err(Failure::Input(format!(
@@ -274,8 +262,6 @@ impl Actuators {
                 drift_rad_s2: rate(&format!("--{name}-rate-drift"), drift.as_ref(), 2)?,
             })
         };
-        let precession = [precession_rate_error, precession_rate_step, precession_rate_drift];
-        let spin = [spin_rate_error, spin_rate_step, spin_rate_drift];
         Ok(Some(Self {
             precession: axis("precession", precession)?,
             spin: axis("spin", spin)?,

@@ -5,35 +5,27 @@
 //! keeps the snapshots.
 
 mod options;
-mod sky;
-mod products;
 mod watch;
+mod pictures;
+mod sky;
+mod session;
 
-use super::{mission, print_json, tell, warn};
+use super::asked::{sun_table, world};
+use super::told::warn;
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
-use formats::survey::{MapReport, Snapshot, Summary, SurveyReport, text, who};
-use onboard_core::time::Duration;
-use planner::healpix::{Nside, Ordering};
-use planner::mapmaking::Sky;
-use planner::opportunities::{NONE, SightLine, select};
+use formats::maps::Layout;
+use pictures::{Pictures, tracks};
+use planner::healpix::Ordering;
+use planner::opportunities::SightLine;
 use planner::provenance::Provenance;
 use planner::survey::input::SurveyInput;
-use planner::survey::{
-    Collector, Isa, MapFrame, Moment, SunSource, SunTable, Survey, SurveyDetector, SurveyError,
-    SurveyMaps, SurveyStatistics, SurveySun, Sweeping, map_bytes,
-};
-use planner::world::{Tables, World};
-use products::{Layout, Pictures, beside, tracks, write_fits};
-use rayon::prelude::*;
-use std::f64::consts::TAU;
-use std::path::PathBuf;
+use planner::survey::{MapFrame, SunSource, SurveySun, map_bytes};
+use planner::world::Tables;
+use session::Session;
 use std::sync::Arc;
 use watch::Watch;
-
-/// Mean orbital rate for the scan-beam angle: 360 deg in 365.25 d.
-const ORBIT_RAD_S: f64 = TAU / 31_557_600.0;
 
 pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Failure> {
     let nside = options::nside(arguments.nside, arguments.moment.len())?;
@@ -41,20 +33,19 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let isa = options::isa()?;
     let patches = options::patches(&arguments.patch)?;
     let step = options::step(arguments)?;
-    if shared.json && shared.out.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+    if shared.json && shared.out.as_deref().map(Sink::at) == Some(Sink::Stdout) {
         return Err(Failure::Input(
             "--json and --out -: standard output takes one of the two; name a file".to_owned(),
         ));
     }
 
     let sky = sky::asked(shared, arguments)?;
-    let mut world = World::open(mission(shared)?, shared.ephemeris.as_deref())?;
+    let mut world = world(shared)?;
     world.avoided.clear();
     if !arguments.tracks {
         world.targets.clear();
     }
-    let lines =
-        select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
+    let lines = arguments.sight.lines(&world.mission)?;
     let rate = options::rate(arguments, &world)?;
     options::check_plates(&world, &lines, &moments)?;
     warn(shared, &options::slow_sampling(&world, &lines, &rate));
@@ -71,12 +62,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let table = tables.as_ref().map(Tables::parse).transpose()?;
     let source = match (&input.circular_sun, &tables) {
         (Some(longitude), _) => SunSource::Circular(longitude.clone()),
-        (None, Some(tables)) => {
-            let table = SunTable::new(tables.fitted.bytes.as_slice());
-            SunSource::Table(
-                table.map_err(|error| Failure::internal(format!("the fitted table: {error:?}")))?,
-            )
-        }
+        (None, Some(tables)) => SunSource::Table(sun_table(tables)?),
         (None, None) => return Err(Failure::internal("neither a circular Sun nor a table")),
     };
     let drawn = match table {
@@ -102,8 +88,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
         threads: options::threads(arguments.threads, nside, moments.len(), besides)?,
         snapshots: &snapshots,
         pictures: Pictures {
-            png: arguments.png.clone(),
-            svg: arguments.svg.clone(),
+            folders: arguments.figures.folders(),
             patches,
             tracks: drawn,
             log: arguments.log,
@@ -133,193 +118,4 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     })?;
 
     session.deliver(shared, arguments.per_detector, (&reports, &files))
-}
-
-/// All that does not change between the maps of one command.
-struct Session<'w> {
-    world: &'w World,
-    input: &'w SurveyInput,
-    sun: SurveySun,
-    nside: Nside,
-    moments: &'w [Moment],
-    layout: Layout,
-    isa: Isa,
-    threads: usize,
-    snapshots: &'w [(String, Duration, u64)],
-    pictures: Pictures,
-    out: Option<PathBuf>,
-    provenance: Provenance,
-    rate_hz: f64,
-    sky: Option<Arc<Sky>>,
-}
-
-impl Session<'_> {
-    fn title(&self) -> String {
-        let days = self.world.end.since(self.world.start).seconds() / 86_400.0;
-        format!("{}: survey of {days} d at {} Hz", self.world.mission.name, self.rate_hz)
-    }
-
-    fn deliver(
-        &self,
-        shared: &SharedArgs,
-        per_detector: bool,
-        (reports, files): (&[SurveyReport], &[String]),
-    ) -> Result<(), Failure> {
-        let Some(first) = reports.first() else {
-            return Err(Failure::internal("no line of sight"));
-        };
-        if shared.json {
-            print_json(&Summary {
-                first,
-                per_detector: per_detector.then_some(reports),
-                files,
-                provenance: &self.provenance,
-            })
-        } else if shared.out.as_ref().is_some_and(|path| path.as_os_str() == "-") {
-            Ok(())
-        } else {
-            let mut told = text(&self.title(), reports);
-            if !files.is_empty() {
-                told.push_str("\nwritten: ");
-                told.push_str(&files.join(", "));
-                told.push('\n');
-            }
-            tell(shared, &told)
-        }
-    }
-
-    /// One map: collected, with its snapshots, and written.
-    fn group(
-        &self,
-        lines: &[SightLine],
-        detectors: &[SurveyDetector],
-        several: bool,
-        watch: &Watch,
-        files: &mut Vec<String>,
-    ) -> Result<SurveyReport, Failure> {
-        let survey = Survey {
-            scan: self.input.scan.clone(),
-            sun: self.sun.clone(),
-            detectors: detectors.to_vec(),
-            nside: self.nside,
-            frame: self.layout.frame,
-            moments: self.moments.to_vec(),
-        };
-        let (telescope, detector) = seen_by(lines);
-        let name = if several { format!("-{telescope}-{detector}") } else { String::new() };
-        let mut collector = Collector::new(survey.clone(), self.isa).map_err(failed)?;
-        let mut from = 0;
-        let mut snapshots = Vec::new();
-        for (after, elapsed, samples) in self.snapshots {
-            self.collect(&mut collector, from..*samples, watch, files)?;
-            from = *samples;
-            let maps = collector.maps();
-            let map = MapReport::new(self.nside.get(), &SurveyStatistics::of(&maps));
-            self.write(&maps, (&name, Some(after)), (&telescope, &detector), files)?;
-            snapshots.push(Snapshot { after: after.clone(), elapsed_s: elapsed.seconds(), map });
-        }
-        self.collect(&mut collector, from..self.input.samples, watch, files)?;
-        let maps = collector.finish();
-        let map = MapReport::new(self.nside.get(), &SurveyStatistics::of(&maps));
-        self.write(&maps, (&name, None), (&telescope, &detector), files)?;
-        let sky = self
-            .sky
-            .as_ref()
-            .map(|sky| self.observe(survey, (lines, sky, &name), watch, files))
-            .transpose()?;
-        let amplitude = detectors
-            .par_iter()
-            .map(|it| self.sweeping(it).amplitude_rad())
-            .reduce(|| 0.0, f64::max);
-        Ok(SurveyReport {
-            telescope,
-            detector,
-            detectors: lines.len(),
-            rate_hz: self.rate_hz,
-            scan_beam_amplitude_deg: amplitude.to_degrees(),
-            map,
-            snapshots,
-            sky,
-        })
-    }
-
-    fn collect(
-        &self,
-        collector: &mut Collector,
-        span: std::ops::Range<u64>,
-        watch: &Watch,
-        files: &[String],
-    ) -> Result<(), Failure> {
-        collector.collect(span, self.threads, watch).map_err(|error| match error {
-            SurveyError::Stopped => {
-                let kept = if files.is_empty() {
-                    "nothing is written".to_owned()
-                } else {
-                    format!("what --snapshot asked for stays: {}", files.join(", "))
-                };
-                let done = watch.samples();
-                Failure::Check(format!("interrupted after {done} samples: {kept}"))
-            }
-            other => failed(other),
-        })
-    }
-
-    fn write(
-        &self,
-        maps: &SurveyMaps,
-        (name, after): (&str, Option<&str>),
-        (telescope, detector): (&str, &str),
-        files: &mut Vec<String>,
-    ) -> Result<(), Failure> {
-        let suffix = after.map_or(name.to_owned(), |after| format!("{name}-{after}"));
-        let suffix = suffix.as_str();
-        let after = after.map_or(String::new(), |after| format!(", after {after}"));
-        if let Some(path) = &self.out {
-            let to_stdout = path.as_os_str() == "-";
-            if !to_stdout || suffix.is_empty() {
-                let path = beside(path, suffix);
-                let sink = if to_stdout { Sink::Stdout } else { Sink::File(path.clone()) };
-                let seen_by = who(telescope, detector);
-                write_fits(&sink, maps, self.layout, &self.provenance, &seen_by)?;
-                if !to_stdout {
-                    files.push(path.display().to_string());
-                }
-            }
-        }
-        let title = format!("{}, {}{}", self.title(), who(telescope, detector), after);
-        files.extend(self.pictures.write(maps, self.layout.frame, (&title, suffix))?);
-        Ok(())
-    }
-
-    fn sweeping(&self, detector: &SurveyDetector) -> Sweeping {
-        let scan = &self.world.mission.scan;
-        Sweeping {
-            alpha_rad: scan.alpha_rad,
-            polar_rad: detector.polar_rad(scan.beta_rad),
-            orbit_rad_s: ORBIT_RAD_S,
-            precession_rad_s: scan.precession.rate.radians_per_second(),
-            spin_rad_s: scan.spin.rate.radians_per_second(),
-        }
-    }
-}
-
-/// What a survey cannot have on checked input.
-fn failed(error: SurveyError) -> Failure {
-    match error {
-        SurveyError::Ephemeris(error) => Failure::internal(format!("{error:?}")),
-        other => Failure::internal(other),
-    }
-}
-
-/// Telescope and detector of a map.
-fn seen_by(lines: &[SightLine]) -> (String, String) {
-    match lines {
-        [only] => (only.telescope_name.clone(), only.detector_name.clone()),
-        [first, rest @ ..] => {
-            let one = rest.iter().all(|it| it.telescope_name == first.telescope_name);
-            let telescope = if one { first.telescope_name.clone() } else { "all".to_owned() };
-            (telescope, "all".to_owned())
-        }
-        [] => (NONE.to_owned(), NONE.to_owned()),
-    }
 }

@@ -1,7 +1,7 @@
 //! The options of `survey`, checked: a sentence for each that is not legal.
 
 use crate::cli::SurveyArgs;
-use crate::cli::places::angles;
+use crate::cli::quantities::{angles_deg, rate_hz};
 use crate::failure::Failure;
 use crate::output::memory::available_bytes;
 use crate::picture::View;
@@ -106,9 +106,7 @@ pub(super) fn isa() -> Result<Isa, Failure> {
 pub(super) fn rate(arguments: &SurveyArgs, world: &World) -> Result<Number, Failure> {
     match &arguments.rate {
         None => Ok(world.mission.scan.sampling_rate_hz.clone()),
-        Some(text) => {
-            quantity::hertz(text).map_err(|error| Failure::Input(format!("--rate: {error}")))
-        }
+        Some(text) => rate_hz("--rate", text),
     }
 }
 
@@ -127,7 +125,7 @@ pub(super) fn patches(texts: &[String]) -> Result<Vec<(String, View)>, Failure> 
         .enumerate()
         .map(|(index, text)| {
             let [longitude, latitude, side] =
-                angles("--patch", text, ["longitude", "latitude", "side"])?;
+                angles_deg("--patch", text, ["longitude", "latitude", "side"])?;
             if latitude.abs() > 90.0 || !(0.0..120.0).contains(&side) || side <= 0.0 {
                 return Err(Failure::Input(format!(
                     "--patch {text}: a latitude from -90 to 90 deg and a side above 0 and below \

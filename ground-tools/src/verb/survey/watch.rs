@@ -1,9 +1,10 @@
-//! Who watches a survey: a bar on standard error, and Ctrl-C, which ends it early.
+//! Who watches a survey: a bar on standard error, and Ctrl-C, which ends it early; and why it fails.
 
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use planner::progress::Progress;
+use planner::survey::SurveyError;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -78,4 +79,12 @@ fn bar(shared: &SharedArgs, total: u64) -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+/// What a survey cannot have on checked input.
+pub(super) fn failed(error: SurveyError) -> Failure {
+    match error {
+        SurveyError::Ephemeris(error) => Failure::internal(format!("{error:?}")),
+        other => Failure::internal(other),
+    }
 }

@@ -1,9 +1,11 @@
 //! `gyrfalcon table verify`: a container against the ephemeris and the mission.
 
-use super::{angle, load, read};
+use super::container::{load, read};
 use crate::cli::SharedArgs;
+use crate::cli::quantities::angle_rad;
 use crate::failure::Failure;
-use crate::verb::{print_json, tell, world};
+use crate::verb::asked::world;
+use crate::verb::told::{print_json, tell};
 use ephem::fit::MILLIARCSECOND_RAD;
 use ephem::source::Source;
 use ephem::verify::{BodyCheck, verify};
@@ -18,7 +20,7 @@ const SAMPLES: usize = 10_000;
 const SEED: u64 = 1;
 
 pub(super) fn run(shared: &SharedArgs, file: &Path, error: &str) -> Result<(), Failure> {
-    let limit = angle("--error", error)?;
+    let limit = angle_rad("--error", error)?;
     let bytes = read(file)?;
     let tables = load(file, &bytes)?;
     let mut world = world(shared)?;

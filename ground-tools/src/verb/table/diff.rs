@@ -4,10 +4,11 @@
 //! telescope and precession turn. Whether a spacecraft with the old container would accept the new
 //! one is the flight core's own answer at the start of the common validity.
 
-use super::{avoidance_told, hex, load, name, read};
+use super::container::{load, read};
+use super::words::{avoidance_told, hex, name};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
-use crate::verb::{print_json, tell};
+use crate::verb::told::{print_json, tell};
 use ephem::fit::MILLIARCSECOND_RAD;
 use formats::uplink::{refusal_told, span_told};
 use onboard_core::time::{Duration, Instant};

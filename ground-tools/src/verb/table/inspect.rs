@@ -1,9 +1,10 @@
 //! `gyrfalcon table inspect`: what a container, a clock correlation or a rollback order holds.
 
-use super::{avoidance_told, hex, load, name, read};
+use super::container::{load, read};
+use super::words::{avoidance_told, hex, name};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
-use crate::verb::{print_json, tell};
+use crate::verb::told::{print_json, tell};
 use ephem::time::format_tdb;
 use formats::uplink::span_told;
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
@@ -12,6 +13,8 @@ use onboard_core::uplink::{ROLLBACK_BYTES, RollbackError, RollbackOrder};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
+
+const DAMAGED: &str = "it is damaged: its CRC does not match";
 
 pub(super) fn run(shared: &SharedArgs, file: &Path) -> Result<(), Failure> {
     let bytes = read(file)?;
@@ -97,13 +100,12 @@ pub(super) fn run(shared: &SharedArgs, file: &Path) -> Result<(), Failure> {
 }
 
 fn clock(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let refuse = |why: &str| Failure::Input(format!("{}: {why}", file.display()));
-    let record = <&[u8; CLOCK_BYTES]>::try_from(bytes).map_err(|_| {
-        refuse(&format!("a clock correlation takes {CLOCK_BYTES} bytes, not {}", bytes.len()))
-    })?;
+    let record: &[u8; CLOCK_BYTES] = sized(file, bytes, "a clock correlation")?;
     let record = ClockCorrelation::from_le_bytes(record).map_err(|error| match error {
-        ClockError::Illegal => refuse("its tick has no length, or its validity runs backwards"),
-        _ => refuse("it is damaged: its CRC does not match"),
+        ClockError::Illegal => {
+            refused(file, "its tick has no length, or its validity runs backwards")
+        }
+        _ => refused(file, DAMAGED),
     })?;
     let tick_ns = {
         let (ns, fraction) = (record.tick_bits >> 64, record.tick_bits & u128::from(u64::MAX));
@@ -136,13 +138,12 @@ fn clock(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure> 
 }
 
 fn rollback(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let refuse = |why: &str| Failure::Input(format!("{}: {why}", file.display()));
-    let order = <&[u8; ROLLBACK_BYTES]>::try_from(bytes).map_err(|_| {
-        refuse(&format!("a rollback order takes {ROLLBACK_BYTES} bytes, not {}", bytes.len()))
-    })?;
+    let order: &[u8; ROLLBACK_BYTES] = sized(file, bytes, "a rollback order")?;
     let order = RollbackOrder::from_le_bytes(order).map_err(|error| match error {
-        RollbackError::NotBack => refuse("it does not lead back to an older sequence number"),
-        _ => refuse("it is damaged: its CRC does not match"),
+        RollbackError::NotBack => {
+            refused(file, "it does not lead back to an older sequence number")
+        }
+        _ => refused(file, DAMAGED),
     })?;
     if shared.json {
         return print_json(&json!({
@@ -163,4 +164,19 @@ fn rollback(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failur
             format_tdb(order.until)
         ),
     )
+}
+
+/// The bytes of a record of fixed size.
+fn sized<'b, const N: usize>(
+    file: &Path,
+    bytes: &'b [u8],
+    what: &str,
+) -> Result<&'b [u8; N], Failure> {
+    bytes
+        .try_into()
+        .map_err(|_| refused(file, &format!("{what} takes {N} bytes, not {}", bytes.len())))
+}
+
+fn refused(file: &Path, why: &str) -> Failure {
+    Failure::Input(format!("{}: {why}", file.display()))
 }

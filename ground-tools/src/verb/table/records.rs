@@ -1,11 +1,11 @@
 //! `gyrfalcon table clock` and `table rollback`: the small records beside the container.
 
-use super::{load, read};
+use super::container::{load, read};
+use crate::cli::quantities::instant;
 use crate::cli::{ClockArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
-use crate::verb::tell;
-use ephem::time::parse_time;
+use crate::verb::told::tell;
 use mission::number::Number;
 use mission::quantity;
 use mission::rounding;
@@ -13,7 +13,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
 use onboard_core::clock::ClockCorrelation;
-use onboard_core::time::{Duration, Instant};
+use onboard_core::time::Duration;
 use onboard_core::uplink::RollbackOrder;
 use std::path::Path;
 
@@ -22,7 +22,7 @@ const ROLLBACK_FILE: &str = "rollback.tbl";
 
 /// Writes a clock correlation.
 pub(super) fn clock(shared: &SharedArgs, arguments: &ClockArgs) -> Result<(), Failure> {
-    let at = time("--at", &arguments.at)?;
+    let at = instant("--at", &arguments.at)?;
     let record = ClockCorrelation {
         sequence: arguments.sequence,
         uncertainty_ns: arguments.uncertainty_ns,
@@ -30,7 +30,7 @@ pub(super) fn clock(shared: &SharedArgs, arguments: &ClockArgs) -> Result<(), Fa
         at,
         tick_bits: tick_bits(&arguments.tick_ns)?,
         valid_from: match &arguments.valid_from {
-            Some(text) => time("--valid-from", text)?,
+            Some(text) => instant("--valid-from", text)?,
             None => at,
         },
         valid_until: at.plus(span("--valid-for", &arguments.valid_for)?),
@@ -56,7 +56,7 @@ pub(super) fn rollback(
     let from = *load(active, &active_bytes)?.header();
     let target = load(target_file, &target_bytes)?;
     let to = *target.header();
-    let until = time("--until", until)?;
+    let until = instant("--until", until)?;
     if to.sequence >= from.sequence {
         return Err(Failure::Input(format!(
             "{} has sequence {}, {} has {}: a rollback leads to a smaller one",
@@ -77,15 +77,12 @@ pub(super) fn rollback(
 
 fn write(shared: &SharedArgs, default: &str, bytes: &[u8]) -> Result<(), Failure> {
     let path = shared.out.clone().unwrap_or_else(|| default.into());
-    if path.as_os_str() == "-" {
-        return Sink::Stdout.write(bytes);
+    let sink = Sink::at(&path);
+    sink.write(bytes)?;
+    if sink == Sink::Stdout {
+        return Ok(());
     }
-    Sink::File(path.clone()).write(bytes)?;
     tell(shared, &format!("written to {}: {} bytes\n", path.display(), bytes.len()))
-}
-
-fn time(option: &str, text: &str) -> Result<Instant, Failure> {
-    parse_time(text).map_err(|error| Failure::Input(format!("{option}: {error}")))
 }
 
 fn span(option: &str, text: &str) -> Result<Duration, Failure> {

@@ -1,69 +1,33 @@
 //! `gyrfalcon verify`: an attitude history against the mission.
 
+mod residuals;
 mod report;
 
-use super::{mission, print_json, sink, table, tell};
+use super::asked::world;
+use super::delivered::sink;
+use super::told::{print_json, tell};
+use crate::cli::quantities::angle_rad;
 use crate::cli::{Against, Format, ReferenceFrame, SharedArgs, VerifyArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
 use ephem::apparent::OBLIQUITY_ARCSEC;
 use ephem::time::format_tdb;
 use formats::history::{History, Reference};
-use formats::rows::Field::{Count, Number, Tdb, Truth, Whole};
-use formats::rows::{self, Column, Layout};
-use onboard_core::attitude::attitude;
-use onboard_core::frame::{Boresight, Detector, Ecliptic, Icrf};
+use formats::rows::{self, Layout};
+use onboard_core::frame::{Detector, Ecliptic, Icrf};
 use onboard_core::rotation::Rotation;
-use onboard_core::sun::SunModel;
-use onboard_core::time::Instant;
-use planner::history_fit::angles::rotation_vector;
-use planner::history_fit::{FEWEST_ROWS, Fit, FitError, Measured, fit};
-use planner::opportunities::select;
+use planner::history_fit::{FEWEST_ROWS, FitError, Measured, fit};
 use planner::provenance::Provenance;
 use planner::world::TableFault;
 use planner::world::World;
-use report::{ARCSECONDS_PER_RADIAN, Report};
+use report::Report;
+use residuals::{ARCSECONDS_PER_RADIAN, columns, residuals};
 use std::io::Read;
 use std::path::Path;
 
-/// One row's residuals.
-#[derive(Debug)]
-struct Row {
-    line: usize,
-    elapsed_s: f64,
-    at: Instant,
-    residual_x_arcsec: f64,
-    residual_y_arcsec: f64,
-    residual_z_arcsec: f64,
-    residual_arcsec: f64,
-    fit_x_arcsec: Option<f64>,
-    fit_y_arcsec: Option<f64>,
-    fit_z_arcsec: Option<f64>,
-    fit_arcsec: Option<f64>,
-    outlier: bool,
-}
-
-fn columns<'r>() -> [Column<&'r Row>; 13] {
-    [
-        Column::new("line", Count(|it| u64::try_from(it.line).ok())),
-        Column::new("elapsed_s", Number(|it| Some(it.elapsed_s))),
-        Column::new("time_tdb", Tdb(|it| it.at)),
-        Column::new("tai_ns", Whole(|it| Some(it.at.tai_ns()))),
-        Column::new("residual_x_arcsec", Number(|it| Some(it.residual_x_arcsec))),
-        Column::new("residual_y_arcsec", Number(|it| Some(it.residual_y_arcsec))),
-        Column::new("residual_z_arcsec", Number(|it| Some(it.residual_z_arcsec))),
-        Column::new("residual_arcsec", Number(|it| Some(it.residual_arcsec))),
-        Column::new("fit_x_arcsec", Number(|it| it.fit_x_arcsec)),
-        Column::new("fit_y_arcsec", Number(|it| it.fit_y_arcsec)),
-        Column::new("fit_z_arcsec", Number(|it| it.fit_z_arcsec)),
-        Column::new("fit_arcsec", Number(|it| it.fit_arcsec)),
-        Column::new("outlier", Truth(|it| it.outlier)),
-    ]
-}
-
 pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Failure> {
-    let limit_arcsec = table::angle("--limit", &arguments.limit)? * ARCSECONDS_PER_RADIAN;
-    let mut world = World::open(mission(shared)?, shared.ephemeris.as_deref())?;
+    let limit_arcsec = angle_rad("--limit", &arguments.limit)? * ARCSECONDS_PER_RADIAN;
+    let mut world = world(shared)?;
     let name = file_name(&arguments.file);
     let history = History::parse(&read(&arguments.file)?, world.start)
         .map_err(|error| Failure::Input(format!("{name}: {error}")))?;
@@ -131,8 +95,7 @@ fn measured(
     arguments: &VerifyArgs,
     name: &str,
 ) -> Result<Vec<Measured>, Failure> {
-    let lines =
-        select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
+    let lines = arguments.sight.lines(&world.mission)?;
     let [line] = &lines[..] else {
         return Err(Failure::Input(format!(
             "a history is of one frame, not of {}: name one with --detector",
@@ -175,47 +138,6 @@ fn measured(
                 Reference::Icrf => Rotation::from_xyzw(xyzw).map_err(refused)?.then(tilt),
             };
             Ok(Measured { at: row.at, attitude: to_detector.then(sensor) })
-        })
-        .collect()
-}
-
-/// Each row's rotation from the model's to the measured attitude, about the boresight frame's axes.
-fn residuals(
-    world: &World,
-    sun: &SunModel<'_>,
-    (history, measured): (&History, &[Measured]),
-    fitted: Option<&Fit>,
-) -> Result<Vec<Row>, onboard_core::ephemeris::EphemerisError> {
-    let vector = |model: Rotation<Boresight, Ecliptic>, seen: Rotation<Boresight, Ecliptic>| {
-        // Seen = error, then model.
-        rotation_vector(seen.then(model.inverse())).map(|it| it * ARCSECONDS_PER_RADIAN)
-    };
-    let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
-    history
-        .rows
-        .iter()
-        .zip(measured)
-        .enumerate()
-        .map(|(index, (row, seen))| {
-            let off = vector(attitude(&world.scan, sun, row.at)?, seen.attitude);
-            let rest = match fitted {
-                Some(fit) => Some(vector(fit.attitude(&world.scan, sun, row.at)?, seen.attitude)),
-                None => None,
-            };
-            Ok(Row {
-                line: row.line,
-                elapsed_s: world.scan.elapsed(row.at).seconds(),
-                at: row.at,
-                residual_x_arcsec: off[0],
-                residual_y_arcsec: off[1],
-                residual_z_arcsec: off[2],
-                residual_arcsec: length(off),
-                fit_x_arcsec: rest.map(|it| it[0]),
-                fit_y_arcsec: rest.map(|it| it[1]),
-                fit_z_arcsec: rest.map(|it| it[2]),
-                fit_arcsec: rest.map(length),
-                outlier: fitted.is_some_and(|fit| !fit.used[index]),
-            })
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 //! A period counts as within tolerance when the mission's half-width holds the fitted value with
 //! three standard errors on both sides, as outside when it holds none of that, else it is undecided.
 
-use super::Row;
+use super::residuals::{ARCSECONDS_PER_RADIAN, Row};
 use crate::failure::Failure;
 use ephem::time::format_tdb;
 use formats::degrees;
@@ -12,8 +12,7 @@ use formats::resonance;
 use mission::number::Number;
 use onboard_core::phase::Rotor;
 use onboard_core::scan::ScanParameters;
-use planner::history_fit::follow::Ambiguous;
-use planner::history_fit::{Estimate, Fit, Observable, Turning};
+use planner::history_fit::{Ambiguous, Estimate, Fit, Observable, Turning};
 use planner::provenance::Provenance;
 use planner::resonance::Tolerance;
 use planner::resonance::check::{Checked, ResonanceCheck};
@@ -22,7 +21,6 @@ use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-pub(super) const ARCSECONDS_PER_RADIAN: f64 = 3600.0 * 180.0 / std::f64::consts::PI;
 /// A gap is longer than this many median steps.
 const GAP_STEPS: i64 = 5;
 /// Standard errors on either side of a fitted period.

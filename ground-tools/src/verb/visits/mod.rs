@@ -6,8 +6,11 @@
 
 mod figures;
 
-use super::{clipped, mission, print_json, sink, tell};
+use super::asked::{sun_table, world};
+use super::delivered::{clipped, sink};
+use super::told::{print_json, tell};
 use crate::cli::places::{FixedPlace, Numbering, PlaceShape, direction};
+use crate::cli::quantities::rate_hz;
 use crate::cli::{Format, SharedArgs, VisitsArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
@@ -17,14 +20,13 @@ use figures::Setting;
 use formats::rows::Field::{Number, Tdb, Whole, Word};
 use formats::rows::{self, Column, Layout};
 use formats::visits::{Mark, Report, marks, text};
-use mission::quantity;
 use num_traits::{Signed, ToPrimitive, Zero};
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::time::{Duration, Instant};
+use planner::opportunities::SightLine;
 use planner::opportunities::search;
-use planner::opportunities::{SightLine, select};
 use planner::provenance::Provenance;
-use planner::survey::{MapFrame, SunTable};
+use planner::survey::MapFrame;
 use planner::visits::{
     Counting, LineOfSight, Sampling, Sun, Visit, VisitStatistics, Wait, sampled, waits,
 };
@@ -83,17 +85,15 @@ struct Visited<'v> {
 
 pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Failure> {
     let places = places(arguments)?;
-    let mut world = World::open(mission(shared)?, shared.ephemeris.as_deref())?;
+    let mut world = world(shared)?;
     let rate = arguments.sampled.then(|| rate(arguments, &world)).transpose()?;
     if arguments.target.is_empty() && !places.is_empty() {
         world.targets.clear();
     } else {
         world.keep_targets(&arguments.target)?;
     }
-    let lines =
-        select(&world.mission, arguments.telescope.as_deref(), arguments.detector.as_deref())?;
-    let drawn = arguments.png.is_some() || arguments.svg.is_some();
-    if drawn {
+    let lines = arguments.sight.lines(&world.mission)?;
+    if arguments.figures.asked() {
         figures::check(world.targets.len() + places.len(), lines.len())?;
     }
     let tables = world.tables(&world.ground_options())?;
@@ -126,12 +126,9 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Fai
     };
     let counted = format!("{counted}, {} to {} TDB", date(world.start), date(world.end));
     let marks = marks(&world);
-    let figures = if drawn {
+    let figures = if arguments.figures.asked() {
         let setting = Setting { mission: &world.mission.name, counted: &counted, marks: &marks };
-        write_figures(
-            [arguments.png.as_deref(), arguments.svg.as_deref()],
-            &figures::figures(&setting, &reports)?,
-        )?
+        write_figures(arguments.figures.folders(), &figures::figures(&setting, &reports)?)?
     } else {
         Vec::new()
     };
@@ -186,9 +183,7 @@ fn places(arguments: &VisitsArgs) -> Result<Vec<FixedPlace>, Failure> {
 fn rate(arguments: &VisitsArgs, world: &World) -> Result<(f64, (NonZeroU64, NonZeroU64)), Failure> {
     let number: mission::number::Number = match &arguments.rate {
         None => world.mission.scan.sampling_rate_hz.clone(),
-        Some(text) => {
-            quantity::hertz(text).map_err(|error| Failure::Input(format!("--rate: {error}")))?
-        }
+        Some(text) => rate_hz("--rate", text)?,
     };
     let exact = number.exact();
     if exact.is_negative() || exact.is_zero() {
@@ -230,9 +225,7 @@ fn place_visits<'v>(
 ) -> Result<Vec<Visited<'v>>, Failure> {
     let sun = match world.circular_sun {
         Some(longitude) => Sun::Circular(longitude),
-        None => SunTable::new(tables.fitted.bytes.as_slice())
-            .map(Sun::Table)
-            .map_err(|error| Failure::internal(format!("the fitted table: {error:?}")))?,
+        None => Sun::Table(sun_table(tables)?),
     };
     let pairs: Vec<(&FixedPlace, &SightLine)> =
         places.iter().flat_map(|place| lines.iter().map(move |line| (place, line))).collect();

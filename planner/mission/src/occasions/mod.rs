@@ -5,6 +5,19 @@
 //! end_utc, reason` or an iCalendar file. Lines that begin with `#` are left out.
 //!
 //! Limits: contacts must not overlap; a blackout must touch the mission.
+//!
+//! # Example
+//! A blackout as a calendar holds it:
+//! ```
+//! use mission::occasions::read_calendar;
+//!
+//! let text = "BEGIN:VCALENDAR\r\nBEGIN:VEVENT\r\nUID:1\r\nSUMMARY:Orbit correction\r\n\
+//!     DTSTART:20320402T060000Z\r\nDTEND:20320402T080000Z\r\nEND:VEVENT\r\nEND:VCALENDAR\r\n";
+//! let found = read_calendar(text)?;
+//! assert_eq!(found[0].summary, "Orbit correction");
+//! assert_eq!(found[0].until.since(found[0].from).seconds(), 7200.0);
+//! # Ok::<(), mission::occasions::CalendarError>(())
+//! ```
 
 mod calendar;
 mod error;

@@ -32,8 +32,8 @@ pub(super) type Key = f64;
 const SHIFT: f64 = 65_536.0;
 
 impl Grid {
-    /// How near to a whole number u or v may come, in pixels. Rounding and interpolation stay two
-    /// orders of magnitude below.
+    /// How near to a whole number u or v may come, in pixels. Rounding and interpolation stay an
+    /// order of magnitude below.
     pub(super) const EDGE: f64 = 1e-6;
 
     pub(super) fn new(nside: Nside) -> Self {

@@ -3,56 +3,46 @@
 //!
 //! Periods are whole numbers of units of 5 ms, so that motion and simulation have the same, exactly.
 
-use onboard_core::phase::Phase;
+use crate::turning::turning;
 use onboard_core::time::Instant;
 use planner::healpix::Nside;
 use planner::progress::Quietly;
 use planner::resonance::{Motion, Predictor, Window};
 use planner::survey::{
-    BigRational, ExactRotor, MapFrame, Moment, SampledScan, SunSource, Survey, SurveyDetector,
-    SurveyMaps, SurveySun,
+    BigRational, MapFrame, Moment, SampledScan, SunSource, Survey, SurveyDetector, SurveyMaps,
+    SurveySun,
 };
 
 /// Units of a second in which periods are whole.
-pub const UNITS: i64 = 200;
+pub(crate) const UNITS: i64 = 200;
 /// Units in a quarter of a day.
 const QUARTER_DAY: u64 = 21_600 * UNITS as u64;
 
-/// A rotation of one turn in `above / below` seconds, reversed where that is negative.
-///
-/// # Panics
-/// When one of the two is zero.
-#[must_use]
-pub fn turning((above, below): (i64, i64), start_rad: f64) -> ExactRotor {
-    let period_s = BigRational::new(above.into(), below.into());
-    ExactRotor::with_period(&period_s, Phase::from_radians(start_rad)).expect("a period")
-}
-
 /// Angles in degrees, periods in units (negative: reversed), phases, length.
 #[derive(Debug, Clone, Copy)]
-pub struct Simulation {
+pub(crate) struct Simulation {
     /// Anti-Sun axis to spin axis, degrees.
-    pub alpha_deg: f64,
+    pub(crate) alpha_deg: f64,
     /// Spin axis to boresight, degrees.
-    pub beta_deg: f64,
+    pub(crate) beta_deg: f64,
     /// Precession period in units.
-    pub precession: i64,
+    pub(crate) precession: i64,
     /// Spin period in units.
-    pub spin: i64,
+    pub(crate) spin: i64,
     /// Precession phase at the start, radians.
-    pub precession_phase_rad: f64,
+    pub(crate) precession_phase_rad: f64,
     /// Spin phase at the start, radians.
-    pub spin_phase_rad: f64,
+    pub(crate) spin_phase_rad: f64,
     /// Length in quarters of a day.
-    pub quarter_days: u64,
+    pub(crate) quarter_days: u64,
     /// Resolution of the map.
-    pub nside: u32,
+    pub(crate) nside: u32,
 }
 
 impl Simulation {
     /// The paper's angles and spin, one year; minutes of precession.
     #[must_use]
-    pub fn litebird(minutes: f64, nside: u32) -> Self {
+    pub(crate) fn litebird(minutes: f64, nside: u32) -> Self {
         Self {
             alpha_deg: 45.0,
             beta_deg: 50.0,
@@ -67,13 +57,13 @@ impl Simulation {
 
     /// Seconds in units.
     #[must_use]
-    pub fn units(seconds: f64) -> i64 {
+    pub(crate) fn units(seconds: f64) -> i64 {
         (seconds * UNITS as f64).round() as i64
     }
 
     /// The motion that is simulated.
     #[must_use]
-    pub fn motion(&self) -> Motion {
+    pub(crate) fn motion(&self) -> Motion {
         let seconds = |units: i64| units as f64 / UNITS as f64;
         Motion {
             precession_phase_rad: self.precession_phase_rad,
@@ -88,7 +78,7 @@ impl Simulation {
     /// # Panics
     /// When there is no window of that resolution.
     #[must_use]
-    pub fn predictor(&self) -> Predictor {
+    pub(crate) fn predictor(&self) -> Predictor {
         let window = Window::pixel(self.side()).expect("a window");
         Predictor::new(self.alpha_deg.to_radians(), self.beta_deg.to_radians(), window)
     }
@@ -98,7 +88,7 @@ impl Simulation {
     /// # Panics
     /// When it cannot be surveyed.
     #[must_use]
-    pub fn maps(&self, (samples, units): (u32, u32), moments: &[Moment]) -> SurveyMaps {
+    pub(crate) fn maps(&self, (samples, units): (u32, u32), moments: &[Moment]) -> SurveyMaps {
         let hz = BigRational::new((i64::from(samples) * UNITS).into(), units.into());
         let survey = Survey {
             scan: SampledScan {

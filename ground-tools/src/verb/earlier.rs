@@ -1,0 +1,62 @@
+//! An earlier plan of the same mission, to stay close to or to show the difference from.
+
+use crate::failure::Failure;
+use ephem::time::format_tdb;
+use formats::products::ALWAYS;
+use formats::timeline::{Difference, Timeline};
+use mission::digest::sha256_hex;
+use planner::world::World;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// The file by which a plan is known.
+pub(super) const TIMELINE: &str = ALWAYS[0];
+
+/// An earlier plan.
+pub(super) struct Earlier {
+    /// Its `timeline.json`.
+    file: PathBuf,
+    /// SHA-256 of that file.
+    pub(super) sha256: String,
+    /// What it holds.
+    pub(super) timeline: Timeline,
+}
+
+impl Earlier {
+    /// The plan of a folder, or of a `timeline.json`.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where it is not one, names a session twice, or is another mission's.
+    pub(super) fn read(path: &Path, world: &World) -> Result<Self, Failure> {
+        let file = if path.is_dir() { path.join(TIMELINE) } else { path.to_owned() };
+        let (timeline, bytes) = Timeline::read(&file)?;
+        let place = file.display();
+        let (mission, before) = (&world.mission.name, &timeline.provenance);
+        if before.mission != *mission {
+            return Err(Failure::Input(format!(
+                "{place} is a plan of {}, but this mission is {mission}: an earlier plan of the \
+                 same mission is needed",
+                before.mission
+            )));
+        }
+        if before.start_tai_ns != world.start.tai_ns() {
+            return Err(Failure::Input(format!(
+                "{place} is a plan of {mission} from {}, but this mission starts at {}: precession \
+                 turns, and so the ids of sessions, count from the start, which must be the same",
+                before.start_tdb,
+                format_tdb(world.start)
+            )));
+        }
+        let mut ids = BTreeSet::new();
+        if let Some(twice) = timeline.sessions.iter().find(|it| !ids.insert(&it.id)) {
+            return Err(Failure::Input(format!("{place} holds the session {} twice", twice.id)));
+        }
+        Ok(Self { file, sha256: sha256_hex(&bytes), timeline })
+    }
+
+    /// What a timeline changes.
+    pub(super) fn difference(&self, now: &Timeline) -> Difference {
+        let name = self.file.file_name().unwrap_or_default().to_string_lossy();
+        Difference::of(&self.timeline, now, format!("{name}, SHA-256 {}", self.sha256))
+    }
+}

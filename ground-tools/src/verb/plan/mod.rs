@@ -1,0 +1,121 @@
+//! `gyrfalcon plan`: the calibration timeline, the main job.
+
+mod wishes;
+mod contradiction;
+mod folder;
+mod summary;
+
+use super::asked::world;
+use super::earlier::TIMELINE;
+use super::told::{print_json, tell, warn};
+use crate::cli::{AttitudeSpan, PlanArgs, SharedArgs};
+use crate::failure::Failure;
+use crate::output::interrupt::SearchLimit;
+use crate::output::stamp::stamp;
+use crate::output::{fill_folder, whole};
+use crate::report;
+use contradiction::plan_failure;
+use folder::{is_ours, remove_stale};
+use formats::products::Products;
+use formats::resonance::sentence;
+use formats::timeline::timeline;
+use formats::uplink::{Contents, records, slow_checks};
+use planner::plan::plan;
+use planner::resonance::check::Resonances;
+use planner::schedule::{Stopped, check};
+use planner::world::World;
+use summary::{summary, told};
+use wishes::Wishes;
+
+const DEFAULT_FOLDER: &str = "gyrfalcon-plan";
+
+pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failure> {
+    let folder = shared.out.clone().unwrap_or_else(|| DEFAULT_FOLDER.into());
+    if folder.as_os_str() == "-" {
+        return Err(Failure::Input(
+            "plan writes a folder: --out FOLDER is needed, not -".to_owned(),
+        ));
+    }
+    let ours = is_ours(&folder, arguments.force)?;
+    let world = world(shared)?;
+    let wishes = Wishes::read(&arguments.revision, &world)?;
+    let asked = &arguments.products;
+    let stamp = stamp(asked.stamp.as_deref(), world.start)?;
+    warn(shared, &slow_checks(&world));
+    let resonance = resonance(shared, &world);
+    let search_limit = SearchLimit::new(wishes.time_limit);
+    let plan = plan(&world, &wishes.revision(), &search_limit)
+        .map_err(|error| plan_failure(&world, error))?;
+    let (tables, offers) = (&plan.offered.tables, &plan.offered.offers);
+    let opportunities = &offers.opportunities;
+    let table = tables.parse()?;
+    let mut timeline = timeline(&world, &plan, resonance.as_ref())?;
+    if plan.schedule.stopped == Stopped::Interrupted {
+        timeline.stopped = search_limit.told();
+    }
+    let difference = wishes.difference(&mut timeline);
+    let records = records(&world, &plan)?;
+    let contents = Contents {
+        world: &world,
+        ephemeris: &tables.fitted.bytes,
+        sessions: Some(&records),
+        sequence: arguments.sequence,
+    };
+    let violation =
+        check(&plan.offered.problem, &plan.schedule.chosen).err().map(|it| it.to_string());
+    let page = report::page(&report::Source {
+        world: &world,
+        table,
+        offers,
+        timeline: &timeline,
+        violation: violation.as_deref(),
+        difference: difference.as_ref(),
+    })?;
+    let products = Products {
+        world: &world,
+        sun: world.sun(table)?,
+        timeline: &timeline,
+        stamp,
+        error_rad: (asked.aem_error_arcsec / 3600.0).to_radians(),
+        whole: asked.aem_span == AttitudeSpan::All,
+        spacecraft: asked.naif_id,
+    };
+    let (json, csv, uplink) = (timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?);
+    let mut files = vec![
+        (TIMELINE, whole(&json)),
+        ("timeline.csv", whole(&csv)),
+        ("uplink.tbl", whole(&uplink)),
+        ("report.html", whole(&page)),
+    ];
+    files.extend(products.fills(&asked.also())?);
+    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+    fill_folder(&folder, files)?;
+    if ours {
+        remove_stale(&folder, &names)?;
+    }
+    if shared.json {
+        print_json(&summary(&world, &timeline, opportunities))?;
+    } else {
+        let resonance = resonance.as_ref();
+        tell(shared, &told(&world, &timeline, opportunities, (&folder, &names), resonance))?;
+    }
+    verdict(&world, resonance.as_ref().filter(|_| arguments.strict))
+}
+
+/// A failure where the periods beat.
+fn verdict(world: &World, resonance: Option<&Resonances>) -> Result<(), Failure> {
+    match resonance {
+        Some(Resonances { checked, .. }) if !checked.certificate.passes => {
+            let name = &world.mission.name;
+            Err(Failure::Check(format!("{name}: resonance: {}", sentence(checked))))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The check of the periods; one that cannot be made is a warning.
+fn resonance(shared: &SharedArgs, world: &World) -> Option<Resonances> {
+    Resonances::of_mission(world)
+        .map_err(|error| warn(shared, &[format!("resonance cannot be judged: {error}")]))
+        .ok()
+}

@@ -1,0 +1,177 @@
+//! What `plan` says: sessions, hours, objective, the first two weeks.
+
+use formats::resonance::{minutes, sentence};
+use formats::timeline::Timeline;
+use onboard_core::time::Duration;
+use planner::opportunities::Opportunities;
+use planner::resonance::check::Resonances;
+use planner::world::World;
+use serde_json::{Map, Value, json};
+use std::fmt::Write;
+use std::path::Path;
+
+/// How much of the timeline is printed.
+const SHOWN: Duration = Duration::from_ns(14 * 86_400 * 1_000_000_000);
+
+/// Sessions, their hours, and what was on offer, per target.
+struct Share<'w> {
+    target: &'w str,
+    sessions: usize,
+    hours: f64,
+    opportunities: usize,
+    hours_offered: f64,
+}
+
+fn shares<'w>(
+    world: &'w World,
+    timeline: &Timeline,
+    opportunities: &Opportunities,
+) -> Vec<Share<'w>> {
+    let share = |(index, target): (usize, &'w ephem::source::Source)| {
+        let sessions = || timeline.sessions.iter().filter(|it| it.target == target.name());
+        let offered = || opportunities.list().iter().filter(|it| it.target == index);
+        Share {
+            target: target.name(),
+            sessions: sessions().count(),
+            hours: total(sessions().map(|it| it.dwell_s)) / 3600.0,
+            opportunities: offered().count(),
+            hours_offered: total(offered().map(|it| it.dwell.seconds())) / 3600.0,
+        }
+    };
+    world.targets.iter().enumerate().map(share).collect()
+}
+
+/// A sum that is +0 where there is nothing to add.
+fn total(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(0.0, |sum, number| sum + number)
+}
+
+/// For a program.
+pub(super) fn summary(world: &World, timeline: &Timeline, opportunities: &Opportunities) -> Value {
+    let shares = shares(world, timeline, opportunities);
+    let by_target = |pick: &dyn Fn(&Share<'_>) -> Value| {
+        shares.iter().map(|it| (it.target.to_owned(), pick(it))).collect::<Map<_, _>>()
+    };
+    json!({
+        "provenance": timeline.provenance,
+        "sessions": timeline.sessions.len(),
+        "sessions_by_target": by_target(&|it| json!(it.sessions)),
+        "hours_by_target": by_target(&|it| json!(it.hours)),
+        "opportunities": opportunities.list().len(),
+        "objective": timeline.objective,
+        "upper_bound": timeline.upper_bound,
+        "gap": timeline.gap,
+        "stopped": timeline.stopped,
+        "against": timeline.against,
+        "resonance": timeline.resonance,
+    })
+}
+
+/// For a person.
+pub(super) fn told(
+    world: &World,
+    timeline: &Timeline,
+    opportunities: &Opportunities,
+    (folder, files): (&Path, &[&str]),
+    resonance: Option<&Resonances>,
+) -> String {
+    let mission = &world.mission;
+    let mut text = String::new();
+    if let Some(Resonances { checked, recommended }) = resonance
+        && !checked.certificate.passes
+    {
+        let _ = writeln!(text, "RESONANCE: {}", sentence(checked));
+        if let Some(nearby) = recommended.map(|it| it.quietest) {
+            let _ = writeln!(
+                text,
+                "nearby, {:.4} min has the smallest bound: {:.2} % above the floor",
+                minutes(nearby.precession_period_s),
+                100.0 * nearby.certificate.excess
+            );
+        }
+        text.push('\n');
+    }
+    let _ = write!(
+        text,
+        "{}: calibration timeline, {} for {} days\nkernel {}, trajectory {}\n\n",
+        mission.name,
+        mission.span.start.text(),
+        mission.span.duration_days,
+        timeline.provenance.kernel,
+        timeline.provenance.trajectory
+    );
+    let _ = writeln!(
+        text,
+        "{:<12} {:>9} {:>10} {:>14} {:>14}",
+        "target", "sessions", "hours", "opportunities", "hours offered"
+    );
+    let mut total =
+        Share { target: "total", sessions: 0, hours: 0.0, opportunities: 0, hours_offered: 0.0 };
+    let row = |text: &mut String, it: &Share<'_>| {
+        let _ = writeln!(
+            text,
+            "{:<12} {:>9} {:>10.2} {:>14} {:>14.2}",
+            it.target, it.sessions, it.hours, it.opportunities, it.hours_offered
+        );
+    };
+    for share in shares(world, timeline, opportunities) {
+        row(&mut text, &share);
+        total.sessions += share.sessions;
+        total.hours += share.hours;
+        total.opportunities += share.opportunities;
+        total.hours_offered += share.hours_offered;
+    }
+    row(&mut text, &total);
+    let _ = writeln!(
+        text,
+        "\nobjective {:.1}, no schedule exceeds {:.1}: gap {:.3} %\n({})\n",
+        timeline.objective,
+        timeline.upper_bound,
+        100.0 * timeline.gap,
+        timeline.stopped
+    );
+    if let Some(Resonances { checked, .. }) = resonance.filter(|it| it.checked.certificate.passes) {
+        let _ = writeln!(text, "resonance: {}\n", sentence(checked));
+    }
+    if let Some(it) = &timeline.against {
+        let (added, dropped, moved) = (it.added.len(), it.dropped.len(), it.moved.len());
+        let _ = writeln!(
+            text,
+            "against the earlier plan: {added} added, {dropped} dropped, {moved} moved, {} kept\n",
+            it.kept
+        );
+    }
+    first_weeks(&mut text, world, timeline);
+    let _ = writeln!(text, "\nwritten to {}: {}", folder.display(), files.join(", "));
+    text
+}
+
+/// The sessions that start in the first two weeks.
+fn first_weeks(text: &mut String, world: &World, timeline: &Timeline) {
+    let until = world.start.plus(SHOWN).tai_ns();
+    let shown: Vec<_> = timeline.sessions.iter().filter(|it| it.start_tai_ns < until).collect();
+    let _ = writeln!(
+        text,
+        "first two weeks (UTC): {} sessions\n{:<17} {:<17} {:<10} {:<12} {:>6} {:>9}",
+        shown.len(),
+        "start",
+        "end",
+        "telescope",
+        "target",
+        "passes",
+        "dwell (s)"
+    );
+    let minute = |time: &str| time.get(..16).unwrap_or(time).replace('T', " ");
+    for it in shown {
+        let _ = writeln!(
+            text,
+            "{:<17} {:<17} {:<10} {:<12} {:>6} {:>9.1}",
+            minute(&it.start_utc),
+            minute(&it.end_utc),
+            it.telescope,
+            it.target,
+            it.transits.len(),
+            it.dwell_s
+        );
+    }
+}

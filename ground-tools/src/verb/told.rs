@@ -1,0 +1,29 @@
+//! What a person or a program is told: warnings, text, JSON.
+
+use crate::cli::SharedArgs;
+use crate::failure::Failure;
+use crate::output::to_stdout;
+use serde::Serialize;
+use std::fmt::Display;
+
+/// Warnings go to standard error, unless quiet.
+#[expect(clippy::print_stderr, reason = "warnings belong on standard error")]
+pub(super) fn warn<W: Display>(shared: &SharedArgs, warnings: &[W]) {
+    if !shared.quiet {
+        for warning in warnings {
+            eprintln!("warning: {warning}");
+        }
+    }
+}
+
+/// An object on standard output, one line.
+pub(super) fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let mut text = serde_json::to_string(value).map_err(Failure::internal)?;
+    text.push('\n');
+    to_stdout(text.as_bytes())
+}
+
+/// Text for a person on standard output, unless quiet.
+pub(super) fn tell(shared: &SharedArgs, text: &str) -> Result<(), Failure> {
+    if shared.quiet { Ok(()) } else { to_stdout(text.as_bytes()) }
+}
