@@ -271,6 +271,7 @@ fn sessions_of_other_telescopes_and_overlaps_are_left_out() {
         valid_from: Instant::from_tai_ns(0),
         valid_until: Instant::from_tai_ns(21 * DAY),
         mission_digest: [0; 16],
+        spacecraft: 1,
     };
     let two = mission(&Plain::LITEBIRD, sun(), &[telescope(), telescope()]);
     let bytes = container(

@@ -26,12 +26,14 @@
 
 use ephem::time::format_tdb;
 use mission::Mission;
+use mission::digest::sha256_hex;
 use onboard_core::field_of_view::FieldShape;
 use onboard_core::time::Instant;
 use onboard_core::uplink::{
-    AvoidanceRecord, Counts, DetectorRecord, ENTRY_BYTES, HEADER_BYTES, Header, MissionTable,
-    Refusal, SectionKind, SessionRecord, SetDigest, SunRecord, TableError, TelescopeRecord,
-    UplinkError, checksum, entry_to_le_bytes,
+    AvoidanceRecord, Container, Counts, DetectorRecord, ENTRY_BYTES, HEADER_BYTES, Header,
+    MAX_SEQUENCE_STEP, MissionTable, SectionKind, SequenceError, SessionRecord, SetDigest,
+    SunRecord, TableError, TelescopeRecord, UplinkError, UploadRefusal, checksum, committed_head,
+    entry_to_le_bytes, slot_bytes,
 };
 use planner::plan::Plan;
 use planner::world::{TableFault, World};
@@ -129,6 +131,7 @@ impl Contents<'_> {
             valid_from: self.world.start,
             valid_until: self.world.end,
             mission_digest: digest(&self.world.mission),
+            spacecraft: spacecraft(&self.world.mission),
         };
         let count = count("sections", sections.len())?;
         let mut bytes = header.to_le_bytes(length(offset)?, count, checksum(&directory)).to_vec();
@@ -148,6 +151,26 @@ pub fn digest(mission: &Mission) -> [u8; 16] {
         let pair = hex.get(2 * index..2 * index + 2).unwrap_or("00");
         u8::from_str_radix(pair, 16).unwrap_or(0)
     })
+}
+
+/// The identity of the mission's spacecraft: the first 4 bytes of the SHA-256 of its name, the key
+/// `product.object_name`, little-endian.
+#[must_use]
+pub fn spacecraft(mission: &Mission) -> u32 {
+    let hex = sha256_hex(&mission.product.object_name);
+    let first = hex.get(..8).and_then(|first| u32::from_str_radix(first, 16).ok());
+    first.unwrap_or(0).swap_bytes()
+}
+
+/// A slot in which a sound container is committed, as the flight core leaves it there.
+///
+/// # Errors
+/// [`UplinkError`] where the container is not sound.
+pub fn slot_image(container: &[u8]) -> Result<Vec<u8>, UplinkError> {
+    let mut slot = committed_head(&Container::parse(container)?).to_vec();
+    slot.extend(container);
+    slot.resize(slot_bytes(container.len()).unwrap_or(slot.len()), 0xff);
+    Ok(slot)
 }
 
 fn length(bytes: usize) -> Result<u32, TooLarge> {
@@ -281,27 +304,45 @@ pub fn contents_told(error: TableError) -> String {
 
 /// Why a spacecraft would refuse a container, in words.
 #[must_use]
-pub fn refusal_told(refusal: Refusal) -> String {
+pub fn refusal_told(refusal: UploadRefusal) -> String {
     match refusal {
-        Refusal::Unsound(error) => contents_told(error),
-        Refusal::Expired(until) => format!("its validity ends at {} TDB", format_tdb(until)),
-        Refusal::NotYetValid(from) => format!("its validity begins at {} TDB", format_tdb(from)),
-        Refusal::Older { candidate, newest } => format!(
-            "its sequence number {candidate} is not above {newest}: build it with --sequence {} or \
-             above",
-            u64::from(newest) + 1
+        UploadRefusal::Unsound(error) => contents_told(error),
+        UploadRefusal::Expired(until) => {
+            format!("its validity ends at {} TDB", format_tdb(until))
+        }
+        UploadRefusal::NotYetValid(from) => {
+            format!("its validity begins at {} TDB", format_tdb(from))
+        }
+        UploadRefusal::Sequence(error) => sequence_told(error),
+        UploadRefusal::OtherSpacecraft { candidate, flown } => format!(
+            "it is another spacecraft's (identity {candidate:08x}, flown {flown:08x}): the same \
+             product.object_name is needed, or an order of table change"
         ),
-        Refusal::TooLong(room, needed) => {
+        UploadRefusal::TooLong(room, needed) => {
             format!("it takes {needed} bytes where the slot has {room}")
         }
-        Refusal::OrderExpired(until) => {
-            format!("the order could be carried out until {} TDB", format_tdb(until))
-        }
-        Refusal::NotActive(active) => format!("the active container has sequence number {active}"),
-        Refusal::NothingToReturnTo => {
-            "the other slot does not hold the container to return to".to_owned()
-        }
+        other => format!("the flight core refuses it: {other:?}"),
     }
+}
+
+/// Why a sequence number may not follow, in words.
+#[must_use]
+pub fn sequence_told(error: SequenceError) -> String {
+    let (candidate, newest, why) = match error {
+        SequenceError::Older { candidate, newest } => (candidate, newest, "is not above"),
+        SequenceError::StepTooLarge { candidate, newest } => {
+            (candidate, newest, "is too far above")
+        }
+        other => return format!("the flight core refuses its sequence number: {other:?}"),
+    };
+    format!("its sequence number {candidate} {why} {newest}: build it with {}", legal(newest))
+}
+
+/// The sequence numbers that may follow `newest`, as an option.
+#[must_use]
+pub fn legal(newest: u32) -> String {
+    let (first, last) = (newest.saturating_add(1), newest.saturating_add(MAX_SEQUENCE_STEP));
+    format!("--sequence {first} to {last}")
 }
 
 /// A section's name by its kind's number.

@@ -4,6 +4,7 @@ mod told;
 mod asked;
 mod delivered;
 mod earlier;
+mod sequence;
 
 mod missions;
 mod constraints;

@@ -1,87 +1,118 @@
-//! Two places for containers, of which the newest sound one is active.
+//! Two slots of raw flash, of which the newest committed container is active.
 //!
-//! The slots are the caller's memory (flash, as a rule) and are read in place. Which one is active
+//! The slots are read in place; how each is divided stands in `slot_layout.rs`. Which one is active
 //! follows from their contents alone, so that it is the same after a reset. A new container is
-//! checked where it was received ([`Slots::admit`]), written by the caller to the slot that is not
-//! active, and becomes active by being there; a write that is cut short leaves an unsound slot, and
-//! the other one stays active. The only way to an older container is a [`RollbackOrder`]: the
-//! caller then marks the newer one as revoked ([`revoke`]); its sequence number remains readable and
-//! is not accepted again.
+//! checked where it was received ([`Slots::admit`]) and goes into the slot that is not active
+//! ([`Upload`]); it becomes active with its COMMIT word, and an upload that is cut short anywhere
+//! leaves the other slot active. The only way to an older container is a [`RollbackOrder`]
+//! ([`Slots::roll_back`], [`Revocation`]), the only way to another spacecraft's a
+//! [`MissionChangeOrder`] ([`Slots::admit_changed`]).
 //!
-//! A slot may be longer than its container.
+//! | state | what the slot holds | read as |
+//! |---|---|---|
+//! | erased | ones | [`SlotState::Erased`] |
+//! | being written | part of a container | [`SlotState::BeingWritten`] |
+//! | complete | a whole container, no COMMIT word | [`SlotState::Complete`] |
+//! | torn | a COMMIT word that is not whole, or not this container's | [`SlotState::CommitTorn`] |
+//! | committed | a container with its COMMIT word | [`SlotState::Committed`] |
+//! | revoked | a REVOKED word, torn ones included, or a number up to the other slot's floor | [`SlotState::Revoked`] |
+//! | unsound | a COMMIT word, but contents that are refused | [`SlotState::Unsound`] |
+//!
+//! The newest committed slot is active. A revoked number is remembered twice: by the REVOKED word and
+//! by the floor word of the slot that was returned to, which is erased only when a newer container is
+//! active. So an erase that is cut short, whatever bits it leaves, neither brings a revoked container
+//! back nor lets its number be uploaded again (`power_cuts.rs` cuts everywhere).
+//!
+//! Limits: a container can be returned to [`FLOOR_WORDS`] times, cuts in the middle of a floor word
+//! counted; after that the way back is an upload of the older contents under a new number. An upset
+//! that the memory does not correct costs its slot; the other one is then used.
 
-use super::{
-    Container, HEADER_BYTES, Header, MAGIC, RollbackOrder, TableError, Tables, UplinkError,
-    checksum,
+use super::flash::{Revocation, Upload};
+use super::slot_layout::{
+    COMMIT_OFFSET, CONTAINER_OFFSET, ERASED, Slot, Slots, Word, commit_word, committed_sequence,
+    floor, free_floor, image, is_erased, is_revoked, slot_bytes, whole_header, word_at,
 };
-use crate::bytes::{field, put, span, u32_at};
+use super::{
+    Container, Header, MissionChangeOrder, RollbackOrder, SequenceError, TableError, Tables,
+    check_sequence,
+};
+use crate::bytes::{put, u32_at};
 use crate::time::Instant;
 
-/// What stands in place of the magic in a container that was rolled back.
-pub const REVOKED: [u8; 8] = *b"REVOKED\0";
-
-/// One of the two places.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Slot {
-    /// The first.
-    A,
-    /// The second.
-    B,
-}
-
-impl Slot {
-    /// The other place.
-    #[must_use]
-    pub const fn other(self) -> Self {
-        match self {
-            Self::A => Self::B,
-            Self::B => Self::A,
-        }
-    }
-}
-
-/// Why a slot holds no tables.
+/// What a slot holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SlotError {
-    /// Its container (the sequence number) was rolled back.
-    Revoked(u32),
-    /// Its contents are refused.
+#[non_exhaustive]
+pub enum SlotState {
+    /// The slot is shorter than its head (its bytes).
+    TooShort(usize),
+    /// Nothing was written since the last erase.
+    Erased,
+    /// Part of a container, without COMMIT word: an upload that is under way or was cut short.
+    BeingWritten,
+    /// A whole container (its sequence number), but no COMMIT word.
+    Complete(u32),
+    /// A COMMIT word that is not whole, or not that of the container here.
+    CommitTorn,
+    /// A container (its sequence number) with its COMMIT word.
+    Committed(u32),
+    /// The container (its sequence number, where that is still readable) was rolled back.
+    Revoked(Option<u32>),
+    /// Committed, but its contents are refused.
     Unsound(TableError),
 }
 
 /// Neither slot holds tables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoTables {
-    /// Why not A.
-    pub a: SlotError,
-    /// Why not B.
-    pub b: SlotError,
+    /// What A holds instead.
+    pub a: SlotState,
+    /// What B holds instead.
+    pub b: SlotState,
 }
 
-/// Why a new container, or a rollback, is refused; the active tables stay.
+/// Why a new container is refused; the active tables stay.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Refusal {
+#[non_exhaustive]
+pub enum UploadRefusal {
     /// The candidate's contents.
     Unsound(TableError),
     /// The candidate's validity ended at this instant.
     Expired(Instant),
     /// The candidate's validity begins only at this instant.
     NotYetValid(Instant),
-    /// The candidate's sequence number is not above the newest one seen.
-    Older {
+    /// The candidate's sequence number does not follow the newest in a slot, revoked ones included.
+    Sequence(SequenceError),
+    /// The candidate is another spacecraft's (identities).
+    OtherSpacecraft {
         /// The candidate's.
         candidate: u32,
-        /// The newest in a slot, revoked ones included.
-        newest: u32,
+        /// The one that is flown.
+        flown: u32,
     },
+    /// The last instant of the order to change the mission has passed.
+    OrderExpired(Instant),
+    /// The order to change the mission names other spacecraft, or another container.
+    OtherOrder,
     /// The candidate does not fit into the slot (bytes there, bytes needed).
     TooLong(usize, usize),
-    /// The rollback order's last instant has passed.
+}
+
+/// Why a rollback is refused; the active tables stay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum RollbackRefusal {
+    /// The order's last instant has passed.
     OrderExpired(Instant),
     /// The order leaves another container than the active one (its sequence number).
     NotActive(u32),
     /// The other slot does not hold the container that the order returns to.
     NothingToReturnTo,
+    /// The validity of the container to return to ended at this instant.
+    Expired(Instant),
+    /// The validity of the container to return to begins only at this instant.
+    NotYetValid(Instant),
+    /// The container was returned to [`super::FLOOR_WORDS`] times: upload its contents anew.
+    FloorsUsed,
 }
 
 /// The tables in use and where they are.
@@ -93,190 +124,299 @@ pub struct Active<'a> {
     pub tables: Tables<'a>,
 }
 
-/// The two places, in borrowed bytes.
-#[derive(Debug, Clone, Copy)]
-pub struct Slots<'a> {
-    /// The first.
-    pub a: &'a [u8],
-    /// The second.
-    pub b: &'a [u8],
+/// Where an instant lies to a container's validity.
+enum Outside {
+    Before,
+    Behind,
 }
 
 impl<'a> Slots<'a> {
-    const fn bytes(&self, slot: Slot) -> &'a [u8] {
-        match slot {
-            Slot::A => self.a,
-            Slot::B => self.b,
+    /// What a slot holds.
+    #[must_use]
+    #[inline(never)]
+    pub fn state(&self, slot: Slot) -> SlotState {
+        match own_state(self.bytes(slot)) {
+            SlotState::Committed(number) if self.is_under_floor(slot, number) => {
+                SlotState::Revoked(Some(number))
+            }
+            state => state,
         }
-    }
-
-    fn container(&self, slot: Slot) -> Result<Container<'a>, SlotError> {
-        let bytes = self.bytes(slot);
-        if let Some(sequence) = revoked_sequence(bytes) {
-            return Err(SlotError::Revoked(sequence));
-        }
-        Container::parse(image(bytes))
-            .map_err(|error| SlotError::Unsound(TableError::Container(error)))
     }
 
     /// The tables of one slot.
     ///
     /// # Errors
-    /// [`SlotError`], why it holds none.
+    /// [`SlotState`], what it holds instead.
     #[inline(never)]
-    pub fn tables(&self, slot: Slot) -> Result<Tables<'a>, SlotError> {
-        let container = self.container(slot)?;
-        Tables::from_container(&container).map_err(SlotError::Unsound)
+    pub fn tables(&self, slot: Slot) -> Result<Tables<'a>, SlotState> {
+        match self.state(slot) {
+            SlotState::Committed(_) => {
+                Tables::load(image(self.bytes(slot))).map_err(SlotState::Unsound)
+            }
+            state => Err(state),
+        }
     }
 
-    /// The newest sound tables, from the slots' contents alone.
+    /// The newest committed tables, from the slots' contents alone.
     ///
     /// # Errors
     /// [`NoTables`] when neither slot holds any.
     pub fn active(&self) -> Result<Active<'a>, NoTables> {
-        let Some(slot) = self.active_slot() else {
-            let why = |slot| self.refusal(slot).unwrap_or(SlotError::Unsound(UNREADABLE));
-            return Err(NoTables { a: why(Slot::A), b: why(Slot::B) });
-        };
+        let (a, b) = (self.state(Slot::A), self.state(Slot::B));
+        let slot = newer(a, b).ok_or(NoTables { a, b })?;
         match self.tables(slot) {
             Ok(tables) => Ok(Active { slot, tables }),
-            Err(error) => Err(NoTables { a: error, b: error }),
+            Err(state) => Err(NoTables { a: state, b: state }),
         }
     }
 
-    /// The slot of the newest sound tables.
-    #[inline(never)]
+    /// The slot of the newest committed tables.
     fn active_slot(&self) -> Option<Slot> {
-        // The newer container first; the other only where the newer one's tables are unsound.
-        let newer = match (self.sequence(Slot::A), self.sequence(Slot::B)) {
-            (a, Some(b)) if a.is_none_or(|a| b > a) => Slot::B,
-            _ => Slot::A,
-        };
-        [newer, newer.other()].into_iter().find(|slot| self.refusal(*slot).is_none())
+        newer(self.state(Slot::A), self.state(Slot::B))
     }
 
-    /// Why a slot holds no tables.
-    #[inline(never)]
-    fn refusal(&self, slot: Slot) -> Option<SlotError> {
-        self.tables(slot).err()
+    /// Whether the other slot says that a container with this number is revoked.
+    fn is_under_floor(&self, slot: Slot, number: u32) -> bool {
+        floor(self.bytes(slot.other())).is_some_and(|floor| number <= floor)
     }
 
-    /// The sequence number of a slot's container.
-    #[inline(never)]
-    fn sequence(&self, slot: Slot) -> Option<u32> {
-        self.container(slot).ok().map(|container| container.header().sequence)
-    }
-
-    /// The largest sequence number that either slot ever held, as far as it can be read.
+    /// The largest sequence number that was committed or revoked, as far as the slots tell.
     fn newest(&self) -> Option<u32> {
-        let seen = |slot| self.sequence(slot).or_else(|| revoked_sequence(self.bytes(slot)));
-        seen(Slot::A).max(seen(Slot::B))
+        known(self.a).max(known(self.b))
     }
 
-    /// Checks a new container; on success the slot to which the caller is to write it.
+    /// The slot that a new container goes to: not the active one, and none without which a revoked
+    /// container would count again.
+    #[inline(never)]
+    fn free_slot(&self) -> Slot {
+        if let Some(active) = self.active_slot() {
+            return active.other();
+        }
+        let held = |slot| matches!(own_state(self.bytes(slot)), SlotState::Committed(_));
+        match (held(Slot::A), held(Slot::B)) {
+            (true, _) => Slot::A,
+            (_, true) => Slot::B,
+            _ if known(self.a) <= known(self.b) => Slot::A,
+            _ => Slot::B,
+        }
+    }
+
+    /// The spacecraft whose tables are flown, or were last, as far as the slots tell.
+    #[inline(never)]
+    fn spacecraft(&self) -> Option<u32> {
+        let told = |slot: Slot| {
+            let bytes = self.bytes(slot);
+            let counts = is_revoked(bytes) || committed_sequence(bytes).is_some();
+            whole_header(bytes).filter(|_| counts).and_then(|header| u32_at(header, 56))
+        };
+        match self.active_slot() {
+            Some(slot) => told(slot),
+            None if known(self.a) < known(self.b) => told(Slot::B).or_else(|| told(Slot::A)),
+            None => told(Slot::A).or_else(|| told(Slot::B)),
+        }
+    }
+
+    /// Checks a new container; on success the way into the slot that is not active. With no container
+    /// in either slot, that of any spacecraft is taken.
     ///
     /// # Errors
-    /// [`Refusal`], the reason; the active tables stay.
+    /// [`UploadRefusal`], the reason; the active tables stay.
     #[inline(never)]
-    pub fn admit(&self, candidate: &[u8], now: Instant) -> Result<Slot, Refusal> {
-        let header = sound_header(candidate)?;
-        check_validity(&header, now)?;
-        if let Some(newest) = self.newest()
-            && header.sequence <= newest
+    pub fn admit<'c>(
+        &self,
+        candidate: &'c [u8],
+        now: Instant,
+    ) -> Result<Upload<'c>, UploadRefusal> {
+        let (header, set_digest) = sound_header(candidate)?;
+        if let Some(flown) = self.spacecraft()
+            && header.spacecraft != flown
         {
-            return Err(Refusal::Older { candidate: header.sequence, newest });
+            let candidate = header.spacecraft;
+            return Err(UploadRefusal::OtherSpacecraft { candidate, flown });
         }
-        let slot = self.active_slot().map_or(Slot::A, Slot::other);
-        let room = self.bytes(slot).len();
-        if room < candidate.len() {
-            return Err(Refusal::TooLong(room, candidate.len()));
-        }
-        Ok(slot)
+        self.place(candidate, header, set_digest, now)
     }
 
-    /// Checks a rollback; on success the slot that the caller is to [`revoke`].
+    /// As [`Self::admit`], for the one container of another spacecraft that the order names.
     ///
     /// # Errors
-    /// [`Refusal`], the reason; the active tables stay.
+    /// [`UploadRefusal`], the reason; the active tables stay.
     #[inline(never)]
-    pub fn roll_back(&self, order: &RollbackOrder, now: Instant) -> Result<Slot, Refusal> {
+    pub fn admit_changed<'c>(
+        &self,
+        candidate: &'c [u8],
+        order: &MissionChangeOrder,
+        now: Instant,
+    ) -> Result<Upload<'c>, UploadRefusal> {
         if now > order.until {
-            return Err(Refusal::OrderExpired(order.until));
+            return Err(UploadRefusal::OrderExpired(order.until));
         }
-        let active = self.active_slot().ok_or(Refusal::NothingToReturnTo)?;
-        match self.sequence(active) {
-            Some(sequence) if sequence == order.from => {}
-            other => return Err(Refusal::NotActive(other.unwrap_or(0))),
+        let (header, set_digest) = sound_header(candidate)?;
+        let named = header.spacecraft == order.to
+            && header.sequence == order.sequence
+            && set_digest == order.set_digest
+            && self.spacecraft() == Some(order.from);
+        if !named {
+            return Err(UploadRefusal::OtherOrder);
         }
-        let target = self.tables(active.other()).map_err(|_| Refusal::NothingToReturnTo)?;
+        self.place(candidate, header, set_digest, now)
+    }
+
+    /// The way of a sound container of the right spacecraft into the slot that is not active.
+    fn place<'c>(
+        &self,
+        candidate: &'c [u8],
+        header: Header,
+        set_digest: u64,
+        now: Instant,
+    ) -> Result<Upload<'c>, UploadRefusal> {
+        match outside(&header, now) {
+            Some(Outside::Behind) => return Err(UploadRefusal::Expired(header.valid_until)),
+            Some(Outside::Before) => return Err(UploadRefusal::NotYetValid(header.valid_from)),
+            None => {}
+        }
+        check_sequence(header.sequence, self.newest()).map_err(UploadRefusal::Sequence)?;
+        let slot = self.free_slot();
+        let room = self.bytes(slot).len();
+        let needed = slot_bytes(candidate.len()).unwrap_or(usize::MAX);
+        if room < needed {
+            return Err(UploadRefusal::TooLong(room, needed));
+        }
+        Ok(Upload::new(candidate, header, set_digest, slot))
+    }
+
+    /// Checks a rollback; on success the way to revoke the active container.
+    ///
+    /// # Errors
+    /// [`RollbackRefusal`], the reason; the active tables stay.
+    #[inline(never)]
+    pub fn roll_back(
+        &self,
+        order: &RollbackOrder,
+        now: Instant,
+    ) -> Result<Revocation, RollbackRefusal> {
+        if now > order.until {
+            return Err(RollbackRefusal::OrderExpired(order.until));
+        }
+        let active = self.active_slot().ok_or(RollbackRefusal::NothingToReturnTo)?;
+        match self.state(active) {
+            SlotState::Committed(sequence) if sequence == order.from => {}
+            SlotState::Committed(sequence) => return Err(RollbackRefusal::NotActive(sequence)),
+            _ => return Err(RollbackRefusal::NothingToReturnTo),
+        }
+        let kept = active.other();
+        let target = self.tables(kept).map_err(|_| RollbackRefusal::NothingToReturnTo)?;
         if target.header().sequence != order.to || target.set_digest() != order.to_digest {
-            return Err(Refusal::NothingToReturnTo);
+            return Err(RollbackRefusal::NothingToReturnTo);
         }
-        check_validity(target.header(), now)?;
-        Ok(active)
+        match outside(target.header(), now) {
+            Some(Outside::Behind) => {
+                return Err(RollbackRefusal::Expired(target.header().valid_until));
+            }
+            Some(Outside::Before) => {
+                return Err(RollbackRefusal::NotYetValid(target.header().valid_from));
+            }
+            None => {}
+        }
+        let free = free_floor(self.bytes(kept)).ok_or(RollbackRefusal::FloorsUsed)?;
+        Ok(Revocation::new(active, order.from, free))
     }
 }
 
-/// Marks a slot's container as rolled back: its magic becomes [`REVOKED`], and the header's CRC
-/// that of the header with it, so that a new container's first bytes do not bring it back.
-///
-/// False when the slot is too short for a container.
-pub fn revoke(slot: &mut [u8]) -> bool {
-    if slot.len() < HEADER_BYTES || !put(slot, 0, REVOKED) {
-        return false;
+/// The head of a slot in which this container is committed: for memory that is programmed as a whole
+/// before launch, and for tools.
+#[must_use]
+#[inline(never)]
+pub fn committed_head(container: &Container<'_>) -> [u8; CONTAINER_OFFSET] {
+    let mut head = [0xff; CONTAINER_OFFSET];
+    let length = u32::try_from(container.bytes.len()).unwrap_or(u32::MAX);
+    let word = commit_word(container.header.sequence, length, container.set_digest);
+    put(&mut head, COMMIT_OFFSET, word);
+    head
+}
+
+/// The slot of the newer of two committed containers.
+const fn newer(a: SlotState, b: SlotState) -> Option<Slot> {
+    match (a, b) {
+        (SlotState::Committed(a), SlotState::Committed(b)) if b > a => Some(Slot::B),
+        (SlotState::Committed(_), _) => Some(Slot::A),
+        (_, SlotState::Committed(_)) => Some(Slot::B),
+        _ => None,
     }
-    let crc = slot.first_chunk::<60>().map(|covered| checksum(covered));
-    crc.is_some_and(|crc| put(slot, 60, crc.to_le_bytes()))
+}
+
+/// What a slot holds by itself, without the other one's floor.
+#[inline(never)]
+fn own_state(slot: &[u8]) -> SlotState {
+    let Some(commit) = word_at(slot, COMMIT_OFFSET).filter(|_| slot.len() > CONTAINER_OFFSET)
+    else {
+        return SlotState::TooShort(slot.len());
+    };
+    if is_revoked(slot) {
+        return SlotState::Revoked(known(slot));
+    }
+    if commit == ERASED {
+        return match Container::parse(image(slot)) {
+            Ok(container) => SlotState::Complete(container.header().sequence),
+            Err(_) if is_erased(slot, CONTAINER_OFFSET) => SlotState::Erased,
+            Err(_) => SlotState::BeingWritten,
+        };
+    }
+    if committed_sequence(slot).is_none() {
+        return SlotState::CommitTorn;
+    }
+    match committed(image(slot)) {
+        Ok((sequence, word)) if word == commit => SlotState::Committed(sequence),
+        Ok(_) => SlotState::CommitTorn,
+        Err(error) => SlotState::Unsound(error),
+    }
+}
+
+/// The sequence number of sound tables, and the COMMIT word that they need.
+#[inline(never)]
+fn committed(image: &[u8]) -> Result<(u32, Word), TableError> {
+    let tables = Tables::load(image)?;
+    let sequence = tables.header().sequence;
+    let length = u32::try_from(image.len()).unwrap_or(u32::MAX);
+    Ok((sequence, commit_word(sequence, length, tables.set_digest())))
+}
+
+/// The largest sequence number that a slot says was committed or revoked: in its COMMIT word, in its
+/// container's header where one of these words was programmed, and in its floor words.
+#[inline(never)]
+fn known(slot: &[u8]) -> Option<u32> {
+    let carried = committed_sequence(slot);
+    let header = || whole_header(slot).and_then(|header| u32_at(header, 16));
+    let own = if is_revoked(slot) { carried.max(header()) } else { carried };
+    own.max(floor(slot))
 }
 
 #[inline(never)]
-fn sound_header(candidate: &[u8]) -> Result<Header, Refusal> {
-    let tables = Tables::load(candidate).map_err(Refusal::Unsound)?;
-    Ok(*tables.header())
+fn sound_header(candidate: &[u8]) -> Result<(Header, u64), UploadRefusal> {
+    let tables = Tables::load(candidate).map_err(UploadRefusal::Unsound)?;
+    Ok((*tables.header(), tables.set_digest()))
 }
 
-/// Stands where a slot's contents change while they are read.
-const UNREADABLE: TableError = TableError::Container(UplinkError::NotAContainer);
-
-fn check_validity(header: &Header, now: Instant) -> Result<(), Refusal> {
+fn outside(header: &Header, now: Instant) -> Option<Outside> {
     if now > header.valid_until {
-        Err(Refusal::Expired(header.valid_until))
+        Some(Outside::Behind)
     } else if now < header.valid_from {
-        Err(Refusal::NotYetValid(header.valid_from))
+        Some(Outside::Before)
     } else {
-        Ok(())
+        None
     }
-}
-
-/// The container in a slot: as long as its header says, where that fits.
-fn image(slot: &[u8]) -> &[u8] {
-    u32_at(slot, 12).and_then(|length| span(slot, 0, length)).unwrap_or(slot)
-}
-
-/// The sequence number of a revoked container whose header is otherwise whole; its CRC may still be
-/// the one from before, when the revoking was cut short.
-#[inline(never)]
-fn revoked_sequence(slot: &[u8]) -> Option<u32> {
-    if field(slot, 0) != Some(REVOKED) {
-        return None;
-    }
-    let mut header: [u8; 60] = field(slot, 0)?;
-    let crc = u32_at(slot, 60)?;
-    if crc != checksum(&header) {
-        put(&mut header, 0, MAGIC);
-        (crc == checksum(&header)).then_some(())?;
-    }
-    u32_at(slot, 16)
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     extern crate std;
     use super::*;
     use crate::direction::MotionBounds;
     use crate::ephemeris::Span;
     use crate::phase::{Phase, Rotor, TurnRate};
     use crate::scan::ScanParameters;
+    use crate::uplink::flash::FlashOperation;
+    use crate::uplink::slot_layout::{FLOOR_OFFSET, FLOOR_WORDS, REVOKED_OFFSET, WORD_BYTES};
     use crate::uplink::tests::container_of;
     use crate::uplink::{Counts, MissionTable, SectionKind, SunRecord};
     use core::num::NonZeroU64;
@@ -284,6 +424,7 @@ mod tests {
     use std::vec::Vec;
 
     const NOW: Instant = Instant::from_tai_ns(100);
+    const ROOM: usize = 1536;
 
     fn ephemeris() -> Vec<u8> {
         let span = Span {
@@ -302,7 +443,7 @@ mod tests {
     }
 
     /// A container with the circular Sun and no plan, valid for (from, until).
-    fn uplink(sequence: u32, (from, until): (i64, i64)) -> Vec<u8> {
+    pub(in crate::uplink) fn uplink(sequence: u32, (from, until): (i64, i64)) -> Vec<u8> {
         let rotor = Rotor { rate: TurnRate::from_bits(1 << 80), start: Phase::ZERO };
         let parameters = ScanParameters {
             start: Instant::from_tai_ns(0),
@@ -318,6 +459,7 @@ mod tests {
             valid_from: Instant::from_tai_ns(from),
             valid_until: Instant::from_tai_ns(until),
             mission_digest: [3; 16],
+            spacecraft: 1,
         };
         container_of(
             &header,
@@ -325,111 +467,324 @@ mod tests {
         )
     }
 
-    fn padded(container: &[u8]) -> Vec<u8> {
-        let mut slot = vec![0xff; 1000];
-        slot[..container.len()].copy_from_slice(container);
-        slot
+    /// Carries one operation out on memory that holds what it is given.
+    fn carry_out(operation: FlashOperation, a: &mut [u8], b: &mut [u8]) {
+        match operation {
+            FlashOperation::Erase(Slot::A) => a.fill(0xff),
+            FlashOperation::Erase(Slot::B) => b.fill(0xff),
+            FlashOperation::Program { slot, offset, word } => {
+                let bytes = if slot == Slot::A { a } else { b };
+                bytes[offset..offset + WORD_BYTES].copy_from_slice(&word);
+            }
+        }
+    }
+
+    /// A slot with this container, committed.
+    fn slot_with(container: &[u8]) -> Vec<u8> {
+        let (mut a, mut b) = (blank(), blank());
+        let mut upload = Slots { a: &a, b: &b }.admit(container, NOW).unwrap();
+        assert_eq!(upload.slot(), Slot::A);
+        while let Some(operation) = upload.next(&Slots { a: &a, b: &b }).unwrap() {
+            carry_out(operation, &mut a, &mut b);
+        }
+        let whole = Container::parse(container).unwrap();
+        assert_eq!(a[..CONTAINER_OFFSET], committed_head(&whole));
+        a
+    }
+
+    fn blank() -> Vec<u8> {
+        vec![0xff; ROOM]
+    }
+
+    fn order(slots: &Slots<'_>, from: u32, to: u32, kept: Slot) -> RollbackOrder {
+        let to_digest = slots.tables(kept).unwrap().set_digest();
+        RollbackOrder { from, to, to_digest, until: Instant::from_tai_ns(200) }
+    }
+
+    fn place(result: Result<Upload<'_>, UploadRefusal>) -> Result<Slot, UploadRefusal> {
+        result.map(|upload| upload.slot())
     }
 
     #[test]
-    fn the_newest_sound_slot_is_active_whatever_its_place() {
-        let (old, new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
+    fn the_newest_committed_slot_is_active_whatever_its_place() {
+        let (old, new) = (slot_with(&uplink(4, (0, 900))), slot_with(&uplink(5, (0, 900))));
         let slots = Slots { a: &old, b: &new };
         assert_eq!(slots.active().unwrap().slot, Slot::B);
         let slots = Slots { a: &new, b: &old };
         assert_eq!(slots.active().unwrap().slot, Slot::A);
-        let blank = vec![0xff; 1000];
+        let blank = blank();
         let slots = Slots { a: &blank, b: &old };
         assert_eq!(slots.active().unwrap().slot, Slot::B);
         let slots = Slots { a: &blank, b: &blank };
         let none = slots.active().unwrap_err();
-        assert!(matches!(none.a, SlotError::Unsound(TableError::Container(_))));
-        assert_eq!(slots.admit(&uplink(1, (0, 900)), NOW), Ok(Slot::A));
+        assert_eq!(none, NoTables { a: SlotState::Erased, b: SlotState::Erased });
+        assert_eq!(place(slots.admit(&uplink(1, (0, 900)), NOW)), Ok(Slot::A));
     }
 
     #[test]
-    fn a_write_that_is_cut_short_leaves_the_active_tables() {
-        let active = padded(&uplink(4, (0, 900)));
-        let candidate = uplink(5, (0, 900));
-        let mut other = vec![0xff; 1000];
-        for written in 0..=candidate.len() {
-            other[..written].copy_from_slice(&candidate[..written]);
-            let now_active = Slots { a: &active, b: &other }.active().unwrap();
-            let expected = if written == candidate.len() { Slot::B } else { Slot::A };
-            assert_eq!(now_active.slot, expected, "{written} bytes written");
-        }
+    fn every_state_has_its_name() {
+        let container = uplink(4, (0, 900));
+        let committed = slot_with(&container);
+        let other = blank();
+        let state = |a: &[u8]| Slots { a, b: &other }.state(Slot::A);
+        let with = |change: fn(&mut Vec<u8>)| {
+            let mut slot = committed.clone();
+            change(&mut slot);
+            state(&slot)
+        };
+        let uncommit = |slot: &mut Vec<u8>| slot[..WORD_BYTES].fill(0xff);
+        assert_eq!(state(&committed), SlotState::Committed(4));
+        assert_eq!(state(&other), SlotState::Erased);
+        assert_eq!(state(&[]), SlotState::TooShort(0));
+        assert_eq!(state(&committed[..CONTAINER_OFFSET]), SlotState::TooShort(512));
+        assert_eq!(with(uncommit), SlotState::Complete(4));
+        assert_eq!(with(|slot| slot[..32].fill(0)), SlotState::CommitTorn);
+        assert_eq!(with(|slot| slot[REVOKED_OFFSET + 7] = 0x7f), SlotState::Revoked(Some(4)));
+        assert_eq!(with(|slot| slot[32..700].fill(0)), SlotState::Revoked(Some(4)));
+        assert_eq!(with(|slot| slot[..700].fill(0)), SlotState::Revoked(None));
+        assert!(matches!(with(|slot| slot[700] ^= 1), SlotState::Unsound(_)));
+        let mut begun = committed.clone();
+        uncommit(&mut begun);
+        begun[700..].fill(0xff);
+        assert_eq!(state(&begun), SlotState::BeingWritten);
+        // The COMMIT word of another container of the same number.
+        let mut swapped = slot_with(&uplink(4, (0, 901)));
+        let longer = slot_with(&container_with_plan());
+        swapped[..WORD_BYTES].copy_from_slice(&longer[..WORD_BYTES]);
+        assert_eq!(state(&swapped), SlotState::CommitTorn);
+    }
+
+    fn container_with_plan() -> Vec<u8> {
+        changed(4, |_| ())
+    }
+
+    /// A container with an empty plan and another header.
+    fn changed(sequence: u32, change: fn(&mut Header)) -> Vec<u8> {
+        let whole = uplink(sequence, (0, 900));
+        let container = Container::parse(&whole).unwrap();
+        let mut header = container.header();
+        change(&mut header);
+        let plan = [0; 8];
+        let section = |kind| container.section(kind).unwrap();
+        container_of(
+            &header,
+            &[
+                (SectionKind::Ephemeris, section(SectionKind::Ephemeris)),
+                (SectionKind::Mission, section(SectionKind::Mission)),
+                (SectionKind::Plan, &plan),
+            ],
+        )
     }
 
     #[test]
     fn what_is_not_admitted_has_a_reason() {
-        let (old, new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
+        let (old, new) = (slot_with(&uplink(4, (0, 900))), slot_with(&uplink(5, (0, 900))));
         let slots = Slots { a: &old, b: &new };
-        assert_eq!(slots.admit(&uplink(6, (0, 900)), NOW), Ok(Slot::A));
-        let older = Refusal::Older { candidate: 5, newest: 5 };
-        assert_eq!(slots.admit(&uplink(5, (0, 900)), NOW), Err(older));
+        let admit =
+            |candidate: &[u8]| place(slots.admit(candidate, NOW)).map_err(std::boxed::Box::new);
+        let refused = |candidate: &[u8]| *admit(candidate).unwrap_err();
+        assert_eq!(*admit(&uplink(6, (0, 900))).as_ref().unwrap(), Slot::A);
+        let older = UploadRefusal::Sequence(SequenceError::Older { candidate: 5, newest: 5 });
+        assert_eq!(refused(&uplink(5, (0, 900))), older);
         let ended = Instant::from_tai_ns(99);
-        assert_eq!(slots.admit(&uplink(6, (0, 99)), NOW), Err(Refusal::Expired(ended)));
+        assert_eq!(refused(&uplink(6, (0, 99))), UploadRefusal::Expired(ended));
         let begins = Instant::from_tai_ns(101);
-        assert_eq!(slots.admit(&uplink(6, (101, 900)), NOW), Err(Refusal::NotYetValid(begins)));
+        assert_eq!(refused(&uplink(6, (101, 900))), UploadRefusal::NotYetValid(begins));
         let mut damaged = uplink(6, (0, 900));
         damaged[200] ^= 1;
-        assert!(matches!(slots.admit(&damaged, NOW), Err(Refusal::Unsound(_))));
-        let small = Slots { a: &old[..300], b: &new };
+        assert!(matches!(refused(&damaged), UploadRefusal::Unsound(_)));
+        let needed = slot_bytes(uplink(6, (0, 900)).len()).unwrap();
+        let small = Slots { a: &old[..needed - 1], b: &new };
         assert_eq!(
-            small.admit(&uplink(6, (0, 900)), NOW),
-            Err(Refusal::TooLong(300, uplink(6, (0, 900)).len()))
+            place(small.admit(&uplink(6, (0, 900)), NOW)),
+            Err(UploadRefusal::TooLong(needed - 1, needed))
+        );
+        let room = Slots { a: &old[..needed], b: &new };
+        assert_eq!(place(room.admit(&uplink(6, (0, 900)), NOW)), Ok(Slot::A));
+    }
+
+    #[test]
+    fn a_step_that_is_too_large_is_refused() {
+        let (old, new) = (slot_with(&uplink(4, (0, 900))), slot_with(&uplink(5, (0, 900))));
+        let slots = Slots { a: &old, b: &new };
+        let admit = |number| place(slots.admit(&uplink(number, (0, 900)), NOW));
+        assert_eq!(admit(1005), Ok(Slot::A));
+        for candidate in [1006, u32::MAX] {
+            let far = SequenceError::StepTooLarge { candidate, newest: 5 };
+            assert_eq!(admit(candidate), Err(UploadRefusal::Sequence(far)));
+        }
+        let empty = blank();
+        let first = Slots { a: &empty, b: &empty };
+        let far = SequenceError::StepTooLarge { candidate: u32::MAX, newest: 0 };
+        assert_eq!(
+            place(first.admit(&uplink(u32::MAX, (0, 900)), NOW)),
+            Err(UploadRefusal::Sequence(far))
         );
     }
 
     #[test]
-    fn only_its_own_order_leads_back() {
-        let (old, mut new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
-        let slots = Slots { a: &old, b: &new };
-        let digest = slots.tables(Slot::A).unwrap().set_digest();
-        let order =
-            RollbackOrder { from: 5, to: 4, to_digest: digest, until: Instant::from_tai_ns(200) };
-        let late = Instant::from_tai_ns(201);
-        assert_eq!(slots.roll_back(&order, late), Err(Refusal::OrderExpired(order.until)));
-        let other = RollbackOrder { from: 6, ..order };
-        assert_eq!(slots.roll_back(&other, NOW), Err(Refusal::NotActive(5)));
-        let other = RollbackOrder { to_digest: digest ^ 1, ..order };
-        assert_eq!(slots.roll_back(&other, NOW), Err(Refusal::NothingToReturnTo));
-        assert_eq!(slots.roll_back(&order, NOW), Ok(Slot::B));
+    fn another_spacecraft_comes_only_with_its_order() {
+        let old = slot_with(&uplink(4, (0, 900)));
+        let empty = blank();
+        let slots = Slots { a: &old, b: &empty };
+        // The same spacecraft with another mission file is taken.
+        let edited = changed(5, |header| header.mission_digest = [7; 16]);
+        assert_eq!(place(slots.admit(&edited, NOW)), Ok(Slot::B));
+        let other = changed(5, |header| header.spacecraft = 2);
+        let refusal = UploadRefusal::OtherSpacecraft { candidate: 2, flown: 1 };
+        assert_eq!(place(slots.admit(&other, NOW)), Err(refusal));
+        let order = MissionChangeOrder {
+            from: 1,
+            to: 2,
+            sequence: 5,
+            set_digest: Tables::load(&other).unwrap().set_digest(),
+            until: NOW,
+        };
+        let with = |order: &MissionChangeOrder, now| place(slots.admit_changed(&other, order, now));
+        assert_eq!(with(&order, NOW), Ok(Slot::B));
+        let late = Instant::from_tai_ns(101);
+        assert_eq!(with(&order, late), Err(UploadRefusal::OrderExpired(NOW)));
+        for wrong in [
+            MissionChangeOrder { from: 3, ..order },
+            MissionChangeOrder { to: 1, ..order },
+            MissionChangeOrder { sequence: 6, ..order },
+            MissionChangeOrder { set_digest: 0, ..order },
+        ] {
+            assert_eq!(with(&wrong, NOW), Err(UploadRefusal::OtherOrder));
+        }
+        // It is not forgotten when the tables are damaged, or revoked.
+        let mut damaged = old.clone();
+        damaged[700] ^= 1;
+        let slots = Slots { a: &empty, b: &damaged };
+        assert_eq!(place(slots.admit(&other, NOW)), Err(refusal));
+        damaged[REVOKED_OFFSET] = 0;
+        let slots = Slots { a: &damaged, b: &empty };
+        assert_eq!(place(slots.admit(&other, NOW)), Err(refusal));
+        // The first container may be anyone's.
+        assert_eq!(place(Slots { a: &empty, b: &empty }.admit(&other, NOW)), Ok(Slot::A));
+    }
 
-        assert!(revoke(&mut new));
+    #[test]
+    fn a_rollback_that_does_not_fit_is_refused_with_its_reason() {
+        let (old, new) = (slot_with(&uplink(4, (0, 900))), slot_with(&uplink(5, (0, 900))));
+        let slots = Slots { a: &old, b: &new };
+        let order = order(&slots, 5, 4, Slot::A);
+        let refused = |order: &RollbackOrder, now| slots.roll_back(order, now).unwrap_err();
+        let late = Instant::from_tai_ns(201);
+        assert_eq!(refused(&order, late), RollbackRefusal::OrderExpired(order.until));
+        assert!(slots.roll_back(&order, order.until).is_ok());
+        let other = RollbackOrder { from: 6, ..order };
+        assert_eq!(refused(&other, NOW), RollbackRefusal::NotActive(5));
+        let other = RollbackOrder { to_digest: order.to_digest ^ 1, ..order };
+        assert_eq!(refused(&other, NOW), RollbackRefusal::NothingToReturnTo);
+        let other = RollbackOrder { to: 3, ..order };
+        assert_eq!(refused(&other, NOW), RollbackRefusal::NothingToReturnTo);
+    }
+
+    #[test]
+    fn there_is_no_return_to_expired_tables() {
+        for (validity, refusal) in [
+            ((0, 150), RollbackRefusal::Expired(Instant::from_tai_ns(150))),
+            ((0, 900), RollbackRefusal::NotYetValid(Instant::from_tai_ns(0))),
+        ] {
+            let (old, new) = (slot_with(&uplink(4, validity)), slot_with(&uplink(5, (0, 900))));
+            let slots = Slots { a: &old, b: &new };
+            let order = order(&slots, 5, 4, Slot::A);
+            let at = if validity.1 == 150 { 151 } else { -1 };
+            assert_eq!(slots.roll_back(&order, Instant::from_tai_ns(at)).unwrap_err(), refusal);
+            let edge = if validity.1 == 150 { 150 } else { 0 };
+            assert!(slots.roll_back(&order, Instant::from_tai_ns(edge)).is_ok());
+        }
+    }
+
+    #[test]
+    fn only_its_own_order_leads_back_and_once() {
+        let (mut old, mut new) = (slot_with(&uplink(4, (0, 900))), slot_with(&uplink(5, (0, 900))));
+        let order = order(&Slots { a: &old, b: &new }, 5, 4, Slot::A);
+        let mut revocation = Slots { a: &old, b: &new }.roll_back(&order, NOW).unwrap();
+        assert_eq!(revocation.slot(), Slot::B);
+        let mut programmed = Vec::new();
+        while let Some(operation) = revocation.next(&Slots { a: &old, b: &new }).unwrap() {
+            carry_out(operation, &mut old, &mut new);
+            programmed.push(operation);
+        }
+        let [floor, revoked] = programmed[..] else { panic!("{programmed:?}") };
+        assert!(matches!(
+            floor,
+            FlashOperation::Program { slot: Slot::A, offset: FLOOR_OFFSET, .. }
+        ));
+        let word = [0; WORD_BYTES];
+        assert_eq!(
+            revoked,
+            FlashOperation::Program { slot: Slot::B, offset: REVOKED_OFFSET, word },
+            "one program operation on erased words"
+        );
         let slots = Slots { a: &old, b: &new };
         assert_eq!(slots.active().unwrap().slot, Slot::A);
-        assert_eq!(slots.tables(Slot::B).unwrap_err(), SlotError::Revoked(5));
-        assert_eq!(slots.roll_back(&order, NOW), Err(Refusal::NotActive(4)), "once only");
-        let again = Refusal::Older { candidate: 5, newest: 5 };
-        assert_eq!(slots.admit(&uplink(5, (0, 900)), NOW), Err(again), "not by the back door");
-        assert_eq!(slots.admit(&uplink(6, (0, 900)), NOW), Ok(Slot::B));
+        assert_eq!(slots.tables(Slot::B).unwrap_err(), SlotState::Revoked(Some(5)));
+        let twice = slots.roll_back(&order, NOW).unwrap_err();
+        assert_eq!(twice, RollbackRefusal::NotActive(4), "once only");
+        let again = UploadRefusal::Sequence(SequenceError::Older { candidate: 5, newest: 5 });
+        assert_eq!(place(slots.admit(&uplink(5, (0, 900)), NOW)), Err(again), "by the back door");
+        assert_eq!(place(slots.admit(&uplink(6, (0, 900)), NOW)), Ok(Slot::B));
+        // Either word alone keeps the number revoked.
+        new[REVOKED_OFFSET..FLOOR_OFFSET].fill(0xff);
+        assert_eq!(Slots { a: &old, b: &new }.state(Slot::B), SlotState::Revoked(Some(5)));
+        new.fill(0xff);
+        let erased = Slots { a: &old, b: &new };
+        assert_eq!(place(erased.admit(&uplink(5, (0, 900)), NOW)), Err(again), "by the back door");
     }
 
     #[test]
-    fn a_cut_write_does_not_bring_a_revoked_container_back() {
-        let (old, mut new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
-        let whole = new.clone();
-        assert!(revoke(&mut new));
-        let candidate = uplink(6, (0, 900));
-        // Behind the header the two are alike.
-        for written in 0..HEADER_BYTES {
-            let mut slot = new.clone();
-            slot[..written].copy_from_slice(&candidate[..written]);
-            let slots = Slots { a: &old, b: &slot };
-            assert_eq!(slots.active().unwrap().slot, Slot::A, "{written} bytes written");
+    fn a_container_can_be_returned_to_as_often_as_there_are_floor_words() {
+        let (mut a, mut b) = (slot_with(&uplink(4, (0, 900))), blank());
+        for number in 5..=5 + u32::try_from(FLOOR_WORDS).unwrap() {
+            let candidate = uplink(number, (0, 900));
+            let mut upload = Slots { a: &a, b: &b }.admit(&candidate, NOW).unwrap();
+            while let Some(operation) = upload.next(&Slots { a: &a, b: &b }).unwrap() {
+                carry_out(operation, &mut a, &mut b);
+            }
+            let order = order(&Slots { a: &a, b: &b }, number, 4, Slot::A);
+            let result = Slots { a: &a, b: &b }.roll_back(&order, NOW);
+            if number == 5 + u32::try_from(FLOOR_WORDS).unwrap() {
+                assert_eq!(result.unwrap_err(), RollbackRefusal::FloorsUsed);
+                break;
+            }
+            let mut revocation = result.unwrap();
+            while let Some(operation) = revocation.next(&Slots { a: &a, b: &b }).unwrap() {
+                carry_out(operation, &mut a, &mut b);
+            }
+            assert_eq!(Slots { a: &a, b: &b }.active().unwrap().tables.header().sequence, 4);
         }
-        // Nor is the number forgotten where the revoking itself is cut behind the magic.
-        let mut cut = whole;
-        cut[..8].copy_from_slice(&REVOKED);
-        let slots = Slots { a: &old, b: &cut };
-        assert_eq!(slots.tables(Slot::B).unwrap_err(), SlotError::Revoked(5));
+        // The uplink stays open.
+        let candidate = uplink(100, (0, 900));
+        assert_eq!(place(Slots { a: &a, b: &b }.admit(&candidate, NOW)), Ok(Slot::A));
     }
 
     #[test]
-    fn tables_must_cover_their_validity() {
-        let candidate = uplink(1, (0, 1000));
-        assert!(Tables::load(&candidate).is_ok(), "no body is needed with the circular Sun");
-        assert!(!revoke(&mut [0; 10]));
+    fn without_active_tables_what_holds_a_revoked_number_down_is_kept() {
+        let (mut old, mut new) = (slot_with(&uplink(4, (0, 900))), slot_with(&uplink(5, (0, 900))));
+        let order = order(&Slots { a: &old, b: &new }, 5, 4, Slot::A);
+        let mut revocation = Slots { a: &old, b: &new }.roll_back(&order, NOW).unwrap();
+        let floor = revocation.next(&Slots { a: &old, b: &new }).unwrap().unwrap();
+        carry_out(floor, &mut old, &mut new);
+        // The REVOKED word is not written, and the slot returned to is damaged.
+        old[700] ^= 1;
+        let slots = Slots { a: &old, b: &new };
+        assert!(slots.active().is_err());
+        assert_eq!(place(slots.admit(&uplink(6, (0, 900)), NOW)), Ok(Slot::B));
+        let slots = Slots { a: &new, b: &old };
+        assert_eq!(place(slots.admit(&uplink(6, (0, 900)), NOW)), Ok(Slot::A));
+        // With the REVOKED word, the slot with the smaller number goes.
+        new[REVOKED_OFFSET] = 0;
+        let empty = blank();
+        assert_eq!(
+            place(Slots { a: &new, b: &empty }.admit(&uplink(6, (0, 900)), NOW)),
+            Ok(Slot::B)
+        );
+        assert_eq!(
+            place(Slots { a: &empty, b: &new }.admit(&uplink(6, (0, 900)), NOW)),
+            Ok(Slot::A)
+        );
     }
 }

@@ -84,6 +84,7 @@ fn full_container() -> Vec<u8> {
         valid_from: Instant::from_tai_ns(0),
         valid_until: Instant::from_tai_ns(21 * DAY),
         mission_digest: *b"first sixteen by",
+        spacecraft: 1,
     };
     let mut planned = sessions(2);
     for session in &mut planned {
@@ -114,7 +115,7 @@ fn order() -> Vec<u8> {
         .repeat(2)
 }
 
-/// Up, up, back, and up again; the same with damage, cuts and wrong orders between; writes over a
+/// Up, up, back, and up again; the same with damage, cuts and wrong orders between; uploads over a
 /// revoked container, cut short.
 fn slot_streams() -> [Vec<u8>; 3] {
     let up = |sequence| [store::UPLINK, sequence];
@@ -131,7 +132,7 @@ fn slot_streams() -> [Vec<u8>; 3] {
     ];
     let rough = [
         &up(4)[..],
-        &[store::CUT_UPLINK, 5, 200, 0],
+        &[store::CUT_UPLINK, 5, 9, 0],
         &[store::MIXED_UPLINK, 6, 120, 0],
         &[store::DAMAGED_UPLINK, 6, 70, 1, 8],
         &up(5),
@@ -147,8 +148,8 @@ fn slot_streams() -> [Vec<u8>; 3] {
         &up(1)[..],
         &up(2),
         &[store::ROLL_BACK],
-        &[store::CUT_UPLINK, 4, 12, 0],
-        &[store::CUT_UPLINK, 4, 60, 0],
+        &[store::CUT_UPLINK, 4, 1, 0],
+        &[store::CUT_UPLINK, 4, 5, 0],
         &up(4),
     ];
     [plain.concat(), rough.concat(), over_revoked.concat()]
@@ -216,6 +217,6 @@ pub fn seeds() -> Vec<Seed> {
 
 fn container_without_sections() -> Vec<u8> {
     let at = Instant::from_tai_ns(0);
-    let header = Header { sequence: 1, valid_from: at, valid_until: at, mission_digest: [0; 16] };
+    let header = Header { sequence: 1, valid_from: at, valid_until: at, mission_digest: [0; 16], spacecraft: 1 };
     container(&header, &[])
 }

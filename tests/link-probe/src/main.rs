@@ -40,10 +40,12 @@ use onboard_core::tracking::{
 use onboard_core::transit::{Channel, Confidence, SearchState, Step, Transit, TransitFinder};
 use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::uplink::{
-    Active, AvoidanceRecord, Container, Counts, DetectorRecord, Header, MissionError, MissionTable,
-    NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Refusal, RollbackError, RollbackOrder,
-    SESSION_BYTES, SectionKind, SessionRecord, SetDigest, Slot, SlotError, Slots, SunRecord,
-    TableError, Tables, TelescopeRecord, UplinkError, checksum, entry_to_le_bytes, revoke,
+    Active, AvoidanceRecord, Container, Counts, DetectorRecord, FlashError, FlashOperation, Header,
+    MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder, MissionError, MissionTable,
+    NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Revocation, RollbackError, RollbackOrder,
+    RollbackRefusal, SESSION_BYTES, SectionKind, SequenceError, SessionRecord, SetDigest, Slot,
+    SlotState, Slots, SunRecord, TableError, Tables, TelescopeRecord, Upload, UploadRefusal,
+    UplinkError, check_sequence, checksum, committed_head, entry_to_le_bytes, slot_bytes,
 };
 
 use onboard_core::visits::{
@@ -287,17 +289,28 @@ probes! {
     tables_plan(tables: *const Tables<'static>) -> PlanTable<'static> { (&*tables).plan() }
     tables_sun(tables: *const Tables<'static>) -> Result<SunModel<'static>, EphemerisError> { (&*tables).sun() }
     slot_other(slot: Slot) -> Slot { slot.other() }
-    slots_tables(slots: &'static Slots<'static>, slot: Slot) -> Result<Tables<'static>, SlotError> { slots.tables(slot) }
+    slot_bytes_probe(container: usize) -> Option<usize> { slot_bytes(container) }
+    committed_head_probe(container: Container<'static>) -> [u8; 512] { committed_head(&container) }
+    slots_bytes(slots: Slots<'static>, slot: Slot) -> Bytes { slots.bytes(slot) }
+    slots_state(slots: &'static Slots<'static>, slot: Slot) -> SlotState { slots.state(slot) }
+    slots_tables(slots: &'static Slots<'static>, slot: Slot) -> Result<Tables<'static>, SlotState> { slots.tables(slot) }
     slots_active(slots: &'static Slots<'static>) -> Result<Active<'static>, NoTables> { slots.active() }
-    slots_admit(slots: &'static Slots<'static>, candidate: Bytes, now: Instant) -> Result<Slot, Refusal> { slots.admit(candidate, now) }
-    slots_roll_back(slots: &'static Slots<'static>, order: &'static RollbackOrder, now: Instant) -> Result<Slot, Refusal> { slots.roll_back(order, now) }
-    revoke_probe(slot: *mut [u8]) -> bool { revoke(&mut *slot) }
+    slots_admit(slots: &'static Slots<'static>, candidate: Bytes, now: Instant) -> Result<Upload<'static>, UploadRefusal> { slots.admit(candidate, now) }
+    slots_admit_changed(slots: &'static Slots<'static>, candidate: Bytes, order: &'static MissionChangeOrder, now: Instant) -> Result<Upload<'static>, UploadRefusal> { slots.admit_changed(candidate, order, now) }
+    slots_roll_back(slots: &'static Slots<'static>, order: &'static RollbackOrder, now: Instant) -> Result<Revocation, RollbackRefusal> { slots.roll_back(order, now) }
+    upload_slot(upload: *const Upload<'static>) -> Slot { (&*upload).slot() }
+    upload_next(upload: *mut Upload<'static>, slots: &'static Slots<'static>) -> Result<Option<FlashOperation>, FlashError> { (&mut *upload).next(slots) }
+    revocation_slot(revocation: *const Revocation) -> Slot { (&*revocation).slot() }
+    revocation_next(revocation: *mut Revocation, slots: &'static Slots<'static>) -> Result<Option<FlashOperation>, FlashError> { (&mut *revocation).next(slots) }
+    check_sequence_probe(candidate: u32, newest: Option<u32>) -> Result<(), SequenceError> { check_sequence(candidate, newest) }
+    mission_change_order_from_le_bytes(bytes: [u8; MISSION_CHANGE_BYTES]) -> Result<MissionChangeOrder, MissionChangeError> { MissionChangeOrder::from_le_bytes(&bytes) }
+    mission_change_order_to_le_bytes(order: MissionChangeOrder) -> [u8; MISSION_CHANGE_BYTES] { order.to_le_bytes() }
     rollback_order_from_le_bytes(bytes: [u8; ROLLBACK_BYTES]) -> Result<RollbackOrder, RollbackError> { RollbackOrder::from_le_bytes(&bytes) }
     rollback_order_to_le_bytes(order: RollbackOrder) -> [u8; ROLLBACK_BYTES] { order.to_le_bytes() }
 
     clock_correlation_from_le_bytes(bytes: [u8; CLOCK_BYTES]) -> Result<ClockCorrelation, ClockError> { ClockCorrelation::from_le_bytes(&bytes) }
     clock_correlation_to_le_bytes(clock: ClockCorrelation) -> [u8; CLOCK_BYTES] { clock.to_le_bytes() }
-    clock_correlation_replacing(clock: ClockCorrelation, active: *const ClockCorrelation) -> Result<ClockCorrelation, ClockError> { clock.replacing(Some(&*active)) }
+    clock_correlation_replacing(clock: ClockCorrelation, active: *const ClockCorrelation, spacecraft: u32) -> Result<ClockCorrelation, ClockError> { clock.replacing(Some(&*active), spacecraft) }
     clock_correlation_instant(clock: *const ClockCorrelation, ticks: u64) -> Result<Instant, ClockError> { (&*clock).instant(ticks) }
     clock_correlation_tick_of(ns: u64, fraction: u64) -> u128 { ClockCorrelation::tick_of(ns, fraction) }
 

@@ -7,6 +7,7 @@ mod summary;
 
 use super::asked::world;
 use super::earlier::TIMELINE;
+use super::sequence::number_after_plan;
 use super::told::{print_json, tell, warn};
 use crate::cli::{AttitudeSpan, PlanArgs, SharedArgs};
 use crate::failure::Failure;
@@ -39,6 +40,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let ours = is_ours(&folder, arguments.force)?;
     let world = world(shared)?;
     let wishes = Wishes::read(&arguments.revision, &world)?;
+    let sequence = number_after_plan(&arguments.sequence, arguments.revision.against.as_deref())?;
     let asked = &arguments.products;
     let stamp = stamp(asked.stamp.as_deref(), world.start)?;
     warn(shared, &slow_checks(&world));
@@ -59,7 +61,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         world: &world,
         ephemeris: &tables.fitted.bytes,
         sessions: Some(&records),
-        sequence: arguments.sequence,
+        sequence,
     };
     let violation =
         check(&plan.offered.problem, &plan.schedule.chosen).err().map(|it| it.to_string());
