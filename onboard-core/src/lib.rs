@@ -48,8 +48,10 @@ pub mod tracking;
 pub mod transit;
 pub mod avoidance;
 pub mod visits;
+pub mod saved_visits;
 pub mod forecast;
 
 pub mod uplink;
 pub mod clock;
+pub mod record;
 pub mod sequencer;

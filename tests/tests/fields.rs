@@ -8,7 +8,8 @@ use onboard_core::phase::{Phase, Rotor};
 use onboard_core::rotation::Rotation;
 use onboard_core::sun::SunModel;
 use onboard_core::time::Instant;
-use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
+use onboard_core::transit::{Channel, SearchOrigin, SearchState, Step, Transit, TransitFinder};
+use onboard_core::uplink::Header;
 use tests::{Noise, Plain, table, transits, turn_rate};
 
 const DAY_NS: i64 = 86_400_000_000_000;
@@ -120,6 +121,14 @@ fn resuming_a_saved_state_gives_the_same_bits() {
     let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
     let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(30 * DAY_NS));
     let fresh = || Channel::new(&Plain::LITEBIRD.strategy(), sun(), body, &circle(3.0), span);
+    let header = Header {
+        sequence: 1,
+        valid_from: span.0,
+        valid_until: span.1,
+        mission_digest: [0; 16],
+        spacecraft: 1,
+    };
+    let origin = SearchOrigin::new(&header, 0, &Plain::LITEBIRD.strategy(), &circle(3.0), 5);
     let whole = transits(&mut [fresh()]);
     assert!(whole.len() > 20);
     for steps in [1, 10, 100, 777] {
@@ -131,9 +140,9 @@ fn resuming_a_saved_state_gives_the_same_bits() {
                 found.push(transit);
             }
         }
-        let saved = serde_json::to_string(&first[0].state()).unwrap();
+        let saved = first[0].state().to_le_bytes(&origin);
         let mut second = [fresh()];
-        second[0].resume(serde_json::from_str(&saved).unwrap());
+        second[0].resume(SearchState::from_le_bytes(&saved, &origin).unwrap());
         found.extend(transits(&mut second));
         assert_eq!(found, whole, "after {steps} steps");
     }

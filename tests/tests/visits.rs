@@ -12,8 +12,8 @@ use onboard_core::time::{Duration, Instant};
 use onboard_core::transit::{Channel, Confidence, Transit};
 use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::visits::{
-    Bins, BinsError, Divisions, Histogram, LastVisit, Slot, Spacing, TargetVisits, VisitError,
-    VisitLog,
+    Bins, BinsError, Divisions, Histogram, HistogramBin, LastVisit, Spacing, TargetVisits,
+    VisitError, VisitLog,
 };
 use std::mem::size_of;
 use tests::{Noise, Plain, table, transits, turn_rate};
@@ -118,15 +118,15 @@ fn bins_hold_their_edges() {
             let count = 1 + (noise.bits() % 64) as usize;
             for index in 0..count {
                 let edge = bins.edge_s(index, count);
-                assert_eq!(bins.slot(edge, count), Slot::Bin(index));
+                assert_eq!(bins.bin(edge, count), HistogramBin::Bin(index));
                 if index > 0 {
-                    assert_eq!(bins.slot(edge.next_down(), count), Slot::Bin(index - 1));
+                    assert_eq!(bins.bin(edge.next_down(), count), HistogramBin::Bin(index - 1));
                 }
             }
-            assert_eq!(bins.slot(high, count), Slot::Over);
-            assert_eq!(bins.slot(f64::INFINITY, count), Slot::Over);
-            assert_eq!(bins.slot(low.next_down(), count), Slot::Under);
-            assert_eq!(bins.slot(f64::NAN, count), Slot::Under);
+            assert_eq!(bins.bin(high, count), HistogramBin::Overflow);
+            assert_eq!(bins.bin(f64::INFINITY, count), HistogramBin::Overflow);
+            assert_eq!(bins.bin(low.next_down(), count), HistogramBin::Underflow);
+            assert_eq!(bins.bin(f64::NAN, count), HistogramBin::Underflow);
         }
     }
     let bins = |spacing, low, high| Bins::new(spacing, low, high).unwrap_err();

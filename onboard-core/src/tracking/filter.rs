@@ -14,7 +14,6 @@
 
 use crate::uncertainty::ScanCovariance;
 use core::array;
-use serde::{Deserialize, Serialize};
 
 /// Precession phase, alpha, spin phase, precession rate, spin rate.
 pub(super) type Errors = [f64; 5];
@@ -29,7 +28,7 @@ pub(super) struct Walks {
 }
 
 /// A symmetric covariance of [`Errors`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ErrorCovariance {
     rows: [Errors; 5],
 }
@@ -44,6 +43,32 @@ impl ErrorCovariance {
                 [0.0, 0.0, b, 0.0, 0.0],
                 [0.0, 0.0, 0.0, a_rate, 0.0],
                 [0.0, 0.0, 0.0, 0.0, b_rate],
+            ],
+        }
+    }
+
+    /// The upper half, row by row.
+    pub(super) const fn upper(&self) -> [f64; 15] {
+        let [
+            [aa, ac, ab, aar, abr],
+            [_, cc, cb, car, cbr],
+            [_, _, bb, bar, bbr],
+            [_, _, _, arar, arbr],
+            [_, _, _, _, brbr],
+        ] = self.rows;
+        [aa, ac, ab, aar, abr, cc, cb, car, cbr, bb, bar, bbr, arar, arbr, brbr]
+    }
+
+    /// The symmetric covariance of an upper half.
+    pub(super) const fn of_upper(upper: [f64; 15]) -> Self {
+        let [aa, ac, ab, aar, abr, cc, cb, car, cbr, bb, bar, bbr, arar, arbr, brbr] = upper;
+        Self {
+            rows: [
+                [aa, ac, ab, aar, abr],
+                [ac, cc, cb, car, cbr],
+                [ab, cb, bb, bar, bbr],
+                [aar, car, bar, arar, arbr],
+                [abr, cbr, bbr, arbr, brbr],
             ],
         }
     }

@@ -29,6 +29,7 @@
 mod channel;
 mod edge;
 mod search;
+mod saved;
 mod confidence;
 mod finder;
 mod reach;
@@ -37,6 +38,7 @@ mod sight;
 pub use channel::Channel;
 pub use confidence::{Confidence, EVALUATIONS_PER_CONFIDENCE};
 pub use finder::{Step, TransitFinder};
+pub use saved::{SEARCH_BYTES, SearchOrigin};
 pub(crate) use search::{Lookup, Search};
 pub use search::{MAX_EVALUATIONS_PER_STEP, SearchState};
 pub(crate) use sight::Seen;

@@ -8,7 +8,6 @@ use crate::field_of_view::FieldOfView;
 use crate::scan::ScanStrategy;
 use crate::sun::{RelativeBounds, SunModel};
 use crate::time::{Duration, Instant};
-use serde::{Deserialize, Serialize};
 
 /// Most evaluations (Sun, target and phases at one instant) that one step of the search makes.
 pub const MAX_EVALUATIONS_PER_STEP: u32 = 13;
@@ -18,26 +17,26 @@ const REFINEMENTS: u32 = MAX_EVALUATIONS_PER_STEP - 1;
 /// Newton's correction of an entry or exit never exceeds this, in seconds.
 const LONGEST_CORRECTION_S: f64 = 1e-3;
 
-/// All that a search must remember to go on with the same bits.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// All that a search must remember to go on with the same bits: [`SearchState::to_le_bytes`] saves it.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchState {
     /// Next instant to evaluate; no entry before it is unknown.
-    at: Instant,
-    end: Instant,
-    previous: Option<Approach>,
-    stage: Stage,
+    pub(super) at: Instant,
+    pub(super) end: Instant,
+    pub(super) previous: Option<Approach>,
+    pub(super) stage: Stage,
 }
 
 /// How close the target was at one instant.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Approach {
-    at: Instant,
-    closeness: f64,
-    rate: f64,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Approach {
+    pub(super) at: Instant,
+    pub(super) closeness: f64,
+    pub(super) rate: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-enum Stage {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Stage {
     Outside,
     Inside(Visit),
     Found(Transit),
@@ -45,11 +44,11 @@ enum Stage {
 }
 
 /// A transit in progress.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Visit {
-    entry: Instant,
-    clipped: bool,
-    best: Approach,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Visit {
+    pub(super) entry: Instant,
+    pub(super) clipped: bool,
+    pub(super) best: Approach,
 }
 
 /// One evaluation, and what it certifies.

@@ -38,6 +38,7 @@ mod plan;
 mod rollback;
 mod mission_change;
 mod tables;
+mod scrub;
 mod slot_layout;
 mod flash;
 mod slots;
@@ -51,6 +52,7 @@ pub use mission::{
 pub use mission_change::{MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder};
 pub use plan::{PlanError, PlanTable, SESSION_BYTES, SessionRecord};
 pub use rollback::{ROLLBACK_BYTES, RollbackError, RollbackOrder};
+pub use scrub::{SCRUB_BYTES, Scrub, ScrubStep};
 pub use sequence::{MAX_SEQUENCE_STEP, SequenceError, check_sequence};
 pub use slot_layout::{
     COMMIT_OFFSET, CONTAINER_OFFSET, ERASED, FLOOR_OFFSET, FLOOR_WORDS, REVOKED_OFFSET, Slot,

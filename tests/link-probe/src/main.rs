@@ -34,10 +34,14 @@ use onboard_core::sequencer::{
 use onboard_core::sun::{AntiSunAxes, SunModel};
 use onboard_core::time::{Duration, Instant};
 use onboard_core::tracking::{
-    Measurement, Refusal as MeasurementRefusal, Residuals, ResumeError, ScanAngles,
-    SettingsError as TrackerSettingsError, Tracker, TrackerSettings, TrackerState,
+    Measurement, MeasurementRefusal, Residuals, ResumeError, ScanAngles, TRACKER_BYTES, Tracker,
+    TrackerSettings, TrackerSettingsError, TrackerState,
 };
-use onboard_core::transit::{Channel, Confidence, SearchState, Step, Transit, TransitFinder};
+use onboard_core::record::RecordError;
+use onboard_core::saved_visits::visits_record_bytes;
+use onboard_core::transit::{
+    Channel, Confidence, SEARCH_BYTES, SearchOrigin, SearchState, Step, Transit, TransitFinder,
+};
 use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::uplink::{
     Active, AvoidanceRecord, Container, Counts, DetectorRecord, FlashError, FlashOperation, Header,
@@ -49,8 +53,7 @@ use onboard_core::uplink::{
 };
 
 use onboard_core::visits::{
-    Bins, BinsError, Divisions, Histogram, Slot as BinSlot, Spacing, TargetVisits, VisitError,
-    VisitLog,
+    Bins, BinsError, Divisions, Histogram, HistogramBin, Spacing, TargetVisits, VisitError, VisitLog,
 };
 
 unsafe extern "C" {
@@ -198,6 +201,8 @@ probes! {
     tracker_new(scan: *const ScanStrategy, settings: *const TrackerSettings, epoch: Instant) -> Result<Tracker, TrackerSettingsError> { Tracker::new(&*scan, &*settings, epoch) }
     tracker_restart(tracker: *mut Tracker, scan: *const ScanStrategy, epoch: Instant) -> () { (&mut *tracker).restart(&*scan, epoch) }
     tracker_state(tracker: *const Tracker) -> TrackerState { (&*tracker).state() }
+    tracker_state_to_le_bytes(state: *const TrackerState, spacecraft: u32) -> [u8; TRACKER_BYTES] { (&*state).to_le_bytes(spacecraft) }
+    tracker_state_from_le_bytes(record: &'static [u8; TRACKER_BYTES], spacecraft: u32) -> Result<TrackerState, RecordError> { TrackerState::from_le_bytes(record, spacecraft) }
     tracker_resume(tracker: *mut Tracker, state: *const TrackerState) -> Result<(), ResumeError> { (&mut *tracker).resume(&*state) }
     tracker_strategy(tracker: *const Tracker) -> ScanStrategy { *(&*tracker).strategy() }
     tracker_epoch(tracker: *const Tracker) -> Instant { (&*tracker).epoch() }
@@ -209,6 +214,9 @@ probes! {
 
     channel_new(scan: &'static ScanStrategy, sun: &'static SunModel<'static>, target: BodyTable<'static>, field: &'static FieldOfView, span: (Instant, Instant)) -> Channel<'static> { Channel::new(scan, *sun, target, field, span) }
     channel_state(channel: &'static Channel<'static>) -> SearchState { channel.state() }
+    search_origin_new(header: &'static Header, set_digest: u64, scan: &'static ScanStrategy, field: &'static FieldOfView, body: i32) -> SearchOrigin { SearchOrigin::new(header, set_digest, scan, field, body) }
+    search_state_to_le_bytes(state: *const SearchState, of: SearchOrigin) -> [u8; SEARCH_BYTES] { (&*state).to_le_bytes(&of) }
+    search_state_from_le_bytes(record: &'static [u8; SEARCH_BYTES], of: SearchOrigin) -> Result<SearchState, RecordError> { SearchState::from_le_bytes(record, &of) }
     channel_resume(channel: &'static mut Channel<'static>, state: SearchState) -> () { channel.resume(state) }
     channel_evaluations(channel: &'static Channel<'static>) -> u64 { channel.evaluations() }
     channel_frontier(channel: &'static Channel<'static>) -> Option<Instant> { channel.frontier() }
@@ -231,7 +239,12 @@ probes! {
 
     bins_new(spacing: Spacing, low: f64, high: f64) -> Result<Bins, BinsError> { Bins::new(spacing, low, high) }
     bins_edge_s(bins: Bins, index: usize, count: usize) -> f64 { bins.edge_s(index, count) }
-    bins_slot(bins: Bins, seconds: f64, count: usize) -> BinSlot { bins.slot(seconds, count) }
+    bins_bin(bins: Bins, seconds: f64, count: usize) -> HistogramBin { bins.bin(seconds, count) }
+    visits_record_bytes_probe(bins: usize) -> usize { visits_record_bytes(bins) }
+    target_visits_to_record__1(visits: &'static TargetVisits<1>, divisions: &'static Divisions, target: u32, spacecraft: u32, record: *mut [u8]) -> Result<(), RecordError> { visits.to_record(divisions, target, spacecraft, &mut *record) }
+    target_visits_to_record__max(visits: &'static TargetVisits<64>, divisions: &'static Divisions, target: u32, spacecraft: u32, record: *mut [u8]) -> Result<(), RecordError> { visits.to_record(divisions, target, spacecraft, &mut *record) }
+    target_visits_from_record__1(record: Bytes, divisions: &'static Divisions, target: u32, spacecraft: u32) -> Result<TargetVisits<1>, RecordError> { TargetVisits::from_record(record, divisions, target, spacecraft) }
+    target_visits_from_record__max(record: Bytes, divisions: &'static Divisions, target: u32, spacecraft: u32) -> Result<TargetVisits<64>, RecordError> { TargetVisits::from_record(record, divisions, target, spacecraft) }
     histogram_total__1(histogram: &'static Histogram<1>) -> u32 { histogram.total() }
     histogram_total__max(histogram: &'static Histogram<64>) -> u32 { histogram.total() }
     visit_log_new__1(divisions: &'static Divisions, targets: *mut [TargetVisits<1>]) -> VisitLog<'static, 1> { VisitLog::new(divisions, &mut *targets) }
