@@ -9,16 +9,18 @@ use onboard_core::direction::MotionBounds;
 use onboard_core::ephemeris::Span;
 use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::scan::{ScanParameters, ScanStrategy};
-use onboard_core::time::Instant;
+use onboard_core::time::{Duration, Instant};
 use onboard_core::transit::{Channel, MAX_EVALUATIONS_PER_STEP, Step, Transit, TransitFinder};
 use std::num::NonZeroU64;
 
-/// The rate of one turn in `period_ns`, rounded to the nearest 2^-128 turn/ns.
+/// The rate of one turn in `period_ns`.
+///
+/// # Panics
+/// For a period of 2 ns or less, or beyond 292 years.
 #[must_use]
 pub fn turn_rate(period_ns: u64, sign: i8) -> TurnRate {
-    let period = u128::from(period_ns);
-    let (quotient, rest) = (u128::MAX / period, u128::MAX % period + 1);
-    let rate = TurnRate::from_bits(quotient + u128::from(rest * 2 >= period));
+    let period = Duration::from_ns(i64::try_from(period_ns).expect("a short period"));
+    let rate = TurnRate::from_period(period).expect("a slow rotation");
     if sign < 0 { rate.reversed() } else { rate }
 }
 

@@ -13,6 +13,7 @@ mod faults;
 #[cfg(target_arch = "x86_64")]
 mod memory;
 
+use core::num::NonZeroU64;
 use onboard_core::attitude::{Sweep, attitude, crossing_angle_rad, sweep};
 use onboard_core::avoidance::{
     AvoidanceError, AvoidanceFinder, AvoidanceLimit, AvoidanceStep, Zone, angle_to_field_rad,
@@ -47,7 +48,7 @@ use onboard_core::uplink::{
     Active, AvoidanceRecord, Container, Counts, DetectorRecord, FlashError, FlashOperation, Header,
     MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder, MissionError, MissionTable,
     NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Revocation, RollbackError, RollbackOrder,
-    RollbackRefusal, SESSION_BYTES, SectionKind, SequenceError, SessionRecord, SetDigest, Slot,
+    RollbackRefusal, SESSION_BYTES, Scrub, ScrubStep, SectionKind, SequenceError, SessionRecord, SetDigest, Slot,
     SlotState, Slots, SunRecord, TableError, Tables, TelescopeRecord, Upload, UploadRefusal,
     UplinkError, check_sequence, checksum, committed_head, entry_to_le_bytes, slot_bytes,
 };
@@ -121,6 +122,12 @@ probes! {
     phase_half(phase: Phase) -> Phase { phase.half() }
     phase_sin_cos(phase: Phase) -> (f64, f64) { phase.sin_cos() }
     turn_rate_from_bits(bits: u128) -> TurnRate { TurnRate::from_bits(bits) }
+    turn_rate_from_turns(turns: i64, seconds: NonZeroU64) -> Option<TurnRate> { TurnRate::from_turns(turns, seconds) }
+    turn_rate_from_period(period: Duration) -> Option<TurnRate> { TurnRate::from_period(period) }
+    rotor_with_period(period: Duration, start: Phase) -> Option<Rotor> { Rotor::with_period(period, start) }
+    scrub_new(tables: &'static Tables<'static>) -> Scrub<'static> { Scrub::new(tables) }
+    scrub_longest(scrub: &'static Scrub<'static>) -> u32 { scrub.longest() }
+    scrub_step(scrub: *mut Scrub<'static>) -> ScrubStep { (&mut *scrub).step() }
     turn_rate_from_radians_per_second(rad_s: f64) -> TurnRate { TurnRate::from_radians_per_second(rad_s) }
     turn_rate_plus(a: TurnRate, b: TurnRate) -> TurnRate { a.plus(b) }
     turn_rate_bits(rate: TurnRate) -> u128 { rate.bits() }
