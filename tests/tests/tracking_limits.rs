@@ -92,7 +92,7 @@ fn what_cannot_be_used_is_refused_and_changes_nothing() {
         let m = Measurement { attitude: upright, ..good };
         match refusal(&tracker, &sun(), &m, ns) {
             MeasurementRefusal::Unobservable(alpha) => {
-                assert!((alpha.to_degrees() - alpha_deg).abs() < 1e-12)
+                assert!((alpha.to_degrees() - alpha_deg).abs() < 1e-12);
             }
             other => panic!("{other:?}"),
         }

@@ -40,7 +40,8 @@ fn following(arguments: &SequenceArgs, newest: u32, hint: &str) -> Result<u32, F
         Err(Failure::Input(format!("{option} is not legal: {} are ({hint})", legal(newest))))
     };
     let Some(first) = newest.checked_add(1) else {
-        return refuse(format!("--after {newest}"));
+        let why = "no number is above it";
+        return Err(Failure::Input(format!("--after {newest} is not legal: {why}")));
     };
     let sequence = arguments.sequence.unwrap_or(first);
     match check_sequence(sequence, Some(newest)) {
