@@ -29,8 +29,8 @@
 
 use super::flash::{Revocation, Upload};
 use super::slot_layout::{
-    COMMIT_OFFSET, CONTAINER_OFFSET, ERASED, Slot, Slots, Word, commit_word, committed_sequence,
-    floor, free_floor, image, is_erased, is_revoked, slot_bytes, whole_header, word_at,
+    COMMIT_OFFSET, CONTAINER_OFFSET, Slot, Slots, Word, commit_word, committed_sequence, floor,
+    free_floor, image, is_erased, is_revoked, slot_bytes, whole_header, word_at,
 };
 use super::{
     Container, Header, MissionChangeOrder, RollbackOrder, SequenceError, TableError, Tables,
@@ -135,11 +135,9 @@ impl<'a> Slots<'a> {
     #[must_use]
     #[inline(never)]
     pub fn state(&self, slot: Slot) -> SlotState {
-        match own_state(self.bytes(slot)) {
-            SlotState::Committed(number) if self.is_under_floor(slot, number) => {
-                SlotState::Revoked(Some(number))
-            }
-            state => state,
+        match self.tables(slot) {
+            Ok(tables) => SlotState::Committed(tables.header().sequence),
+            Err(state) => state,
         }
     }
 
@@ -149,30 +147,47 @@ impl<'a> Slots<'a> {
     /// [`SlotState`], what it holds instead.
     #[inline(never)]
     pub fn tables(&self, slot: Slot) -> Result<Tables<'a>, SlotState> {
-        match self.state(slot) {
-            SlotState::Committed(_) => {
-                Tables::load(image(self.bytes(slot))).map_err(SlotState::Unsound)
-            }
-            state => Err(state),
+        let tables = own_tables(self.bytes(slot))?;
+        let number = tables.header().sequence;
+        if self.is_under_floor(slot, number) {
+            return Err(SlotState::Revoked(Some(number)));
         }
+        Ok(tables)
     }
 
     /// The newest committed tables, from the slots' contents alone.
     ///
     /// # Errors
     /// [`NoTables`] when neither slot holds any.
+    #[inline(never)]
     pub fn active(&self) -> Result<Active<'a>, NoTables> {
-        let (a, b) = (self.state(Slot::A), self.state(Slot::B));
-        let slot = newer(a, b).ok_or(NoTables { a, b })?;
+        let slot = self.active_slot().ok_or_else(|| self.neither())?;
         match self.tables(slot) {
             Ok(tables) => Ok(Active { slot, tables }),
             Err(state) => Err(NoTables { a: state, b: state }),
         }
     }
 
+    #[inline(never)]
+    fn neither(&self) -> NoTables {
+        NoTables { a: self.state(Slot::A), b: self.state(Slot::B) }
+    }
+
     /// The slot of the newest committed tables.
+    #[inline(never)]
     fn active_slot(&self) -> Option<Slot> {
-        newer(self.state(Slot::A), self.state(Slot::B))
+        match (self.committed_number(Slot::A), self.committed_number(Slot::B)) {
+            (Some(a), Some(b)) if b > a => Some(Slot::B),
+            (Some(_), _) => Some(Slot::A),
+            (None, Some(_)) => Some(Slot::B),
+            (None, None) => None,
+        }
+    }
+
+    /// The number of a slot's committed container.
+    #[inline(never)]
+    fn committed_number(&self, slot: Slot) -> Option<u32> {
+        own_number(self.bytes(slot)).filter(|number| !self.is_under_floor(slot, *number))
     }
 
     /// Whether the other slot says that a container with this number is revoked.
@@ -192,7 +207,7 @@ impl<'a> Slots<'a> {
         if let Some(active) = self.active_slot() {
             return active.other();
         }
-        let held = |slot| matches!(own_state(self.bytes(slot)), SlotState::Committed(_));
+        let held = |slot| own_number(self.bytes(slot)).is_some();
         match (held(Slot::A), held(Slot::B)) {
             (true, _) => Slot::A,
             (_, true) => Slot::B,
@@ -299,10 +314,10 @@ impl<'a> Slots<'a> {
             return Err(RollbackRefusal::OrderExpired(order.until));
         }
         let active = self.active_slot().ok_or(RollbackRefusal::NothingToReturnTo)?;
-        match self.state(active) {
-            SlotState::Committed(sequence) if sequence == order.from => {}
-            SlotState::Committed(sequence) => return Err(RollbackRefusal::NotActive(sequence)),
-            _ => return Err(RollbackRefusal::NothingToReturnTo),
+        match self.committed_number(active) {
+            Some(sequence) if sequence == order.from => {}
+            Some(sequence) => return Err(RollbackRefusal::NotActive(sequence)),
+            None => return Err(RollbackRefusal::NothingToReturnTo),
         }
         let kept = active.other();
         let target = self.tables(kept).map_err(|_| RollbackRefusal::NothingToReturnTo)?;
@@ -329,56 +344,52 @@ impl<'a> Slots<'a> {
 #[inline(never)]
 pub fn committed_head(container: &Container<'_>) -> [u8; CONTAINER_OFFSET] {
     let mut head = [0xff; CONTAINER_OFFSET];
-    let length = u32::try_from(container.bytes.len()).unwrap_or(u32::MAX);
-    let word = commit_word(container.header.sequence, length, container.set_digest);
-    put(&mut head, COMMIT_OFFSET, word);
+    put(&mut head, COMMIT_OFFSET, own_commit(container));
     head
 }
 
-/// The slot of the newer of two committed containers.
-const fn newer(a: SlotState, b: SlotState) -> Option<Slot> {
-    match (a, b) {
-        (SlotState::Committed(a), SlotState::Committed(b)) if b > a => Some(Slot::B),
-        (SlotState::Committed(_), _) => Some(Slot::A),
-        (_, SlotState::Committed(_)) => Some(Slot::B),
-        _ => None,
-    }
+/// The tables that a slot holds committed by itself, without the other one's floor.
+#[inline(never)]
+fn own_tables(slot: &[u8]) -> Result<Tables<'_>, SlotState> {
+    uncommitted(slot).map_or(Ok(()), Err)?;
+    let tables = Tables::load(image(slot)).map_err(SlotState::Unsound)?;
+    if is_own_commit(slot, tables.container()) { Ok(tables) } else { Err(SlotState::CommitTorn) }
 }
 
-/// What a slot holds by itself, without the other one's floor.
+/// The number of the tables that a slot holds committed by itself.
 #[inline(never)]
-fn own_state(slot: &[u8]) -> SlotState {
-    let Some(commit) = word_at(slot, COMMIT_OFFSET).filter(|_| slot.len() > CONTAINER_OFFSET)
-    else {
-        return SlotState::TooShort(slot.len());
-    };
+fn own_number(slot: &[u8]) -> Option<u32> {
+    Some(own_tables(slot).ok()?.header().sequence)
+}
+
+/// Whether the COMMIT word is that of the container in the slot.
+#[inline(never)]
+fn is_own_commit(slot: &[u8], container: &Container<'_>) -> bool {
+    word_at(slot, COMMIT_OFFSET) == Some(own_commit(container))
+}
+
+fn own_commit(container: &Container<'_>) -> Word {
+    let length = u32::try_from(container.bytes.len()).unwrap_or(u32::MAX);
+    commit_word(container.header.sequence, length, container.set_digest)
+}
+
+/// What a slot's words say it holds, unless they say that its container is committed.
+#[inline(never)]
+fn uncommitted(slot: &[u8]) -> Option<SlotState> {
+    if slot.len() <= CONTAINER_OFFSET {
+        return Some(SlotState::TooShort(slot.len()));
+    }
     if is_revoked(slot) {
-        return SlotState::Revoked(known(slot));
+        return Some(SlotState::Revoked(known(slot)));
     }
-    if commit == ERASED {
-        return match Container::parse(image(slot)) {
-            Ok(container) => SlotState::Complete(container.header().sequence),
-            Err(_) if is_erased(slot, CONTAINER_OFFSET) => SlotState::Erased,
-            Err(_) => SlotState::BeingWritten,
-        };
+    if !is_erased(slot, COMMIT_OFFSET) {
+        return committed_sequence(slot).is_none().then_some(SlotState::CommitTorn);
     }
-    if committed_sequence(slot).is_none() {
-        return SlotState::CommitTorn;
-    }
-    match committed(image(slot)) {
-        Ok((sequence, word)) if word == commit => SlotState::Committed(sequence),
-        Ok(_) => SlotState::CommitTorn,
-        Err(error) => SlotState::Unsound(error),
-    }
-}
-
-/// The sequence number of sound tables, and the COMMIT word that they need.
-#[inline(never)]
-fn committed(image: &[u8]) -> Result<(u32, Word), TableError> {
-    let tables = Tables::load(image)?;
-    let sequence = tables.header().sequence;
-    let length = u32::try_from(image.len()).unwrap_or(u32::MAX);
-    Ok((sequence, commit_word(sequence, length, tables.set_digest())))
+    Some(match Container::parse(image(slot)) {
+        Ok(container) => SlotState::Complete(container.header().sequence),
+        Err(_) if is_erased(slot, CONTAINER_OFFSET) => SlotState::Erased,
+        Err(_) => SlotState::BeingWritten,
+    })
 }
 
 /// The largest sequence number that a slot says was committed or revoked: in its COMMIT word, in its
