@@ -189,6 +189,7 @@ impl TurnRate {
 
 /// The integer nearest to 2^128 `above` / `below`, halves upwards; `None` unless the quotient is below
 /// 2^127. `below` is at most 2^94.
+#[inline(never)]
 const fn nearest(above: u64, below: u128) -> Option<u128> {
     let mut rest = wide(above);
     if rest >= below {

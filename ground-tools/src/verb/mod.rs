@@ -4,7 +4,6 @@ mod told;
 mod asked;
 mod delivered;
 mod earlier;
-mod sequence;
 
 mod missions;
 mod constraints;

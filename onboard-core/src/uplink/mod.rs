@@ -43,6 +43,8 @@ mod slot_layout;
 mod flash;
 mod slots;
 #[cfg(test)]
+mod slot_rules;
+#[cfg(test)]
 mod power_cuts;
 
 pub use flash::{FlashError, FlashOperation, Revocation, Upload};

@@ -14,7 +14,7 @@
 
 extern crate std;
 
-use super::slots::tests::uplink;
+use super::slot_rules::uplink;
 use super::{
     CONTAINER_OFFSET, FlashOperation, RollbackOrder, RollbackRefusal, SequenceError, Slot, Slots,
     UploadRefusal,

@@ -164,7 +164,7 @@ impl<'a> Scrub<'a> {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::uplink::slots::tests::uplink;
+    use crate::uplink::slot_rules::uplink;
     use std::vec::Vec;
 
     /// Steps of a copy of the scrub, gone on in damaged bytes, until it says so.

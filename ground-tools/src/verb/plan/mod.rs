@@ -7,7 +7,6 @@ mod summary;
 
 use super::asked::world;
 use super::earlier::TIMELINE;
-use super::sequence::number_after_plan;
 use super::told::{print_json, tell, warn};
 use crate::cli::{AttitudeSpan, PlanArgs, SharedArgs};
 use crate::failure::Failure;
@@ -19,6 +18,7 @@ use contradiction::plan_failure;
 use folder::{is_ours, remove_stale};
 use formats::products::Products;
 use formats::resonance::sentence;
+use formats::sequence::number_after_plan;
 use formats::timeline::timeline;
 use formats::uplink::{Contents, records, slow_checks};
 use planner::plan::plan;
@@ -40,7 +40,9 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let ours = is_ours(&folder, arguments.force)?;
     let world = world(shared)?;
     let wishes = Wishes::read(&arguments.revision, &world)?;
-    let sequence = number_after_plan(&arguments.sequence, arguments.revision.against.as_deref())?;
+    let (asked, after) = (arguments.sequence.sequence, arguments.sequence.after);
+    let sequence = number_after_plan(asked, after, arguments.revision.against.as_deref())
+        .map_err(Failure::Input)?;
     let asked = &arguments.products;
     let stamp = stamp(asked.stamp.as_deref(), world.start)?;
     warn(shared, &slow_checks(&world));

@@ -5,10 +5,10 @@ use crate::cli::{SequenceArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
 use crate::verb::asked::world;
-use crate::verb::sequence::number;
 use crate::verb::told::{print_json, tell, warn};
 use ephem::fit::{FitOptions, MILLIARCSECOND_RAD};
 use ephem::source::Source;
+use formats::sequence::number;
 use formats::uplink::{Contents, slow_checks};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -21,7 +21,7 @@ pub(super) fn run(
     bodies: &[String],
     sequence: &SequenceArgs,
 ) -> Result<(), Failure> {
-    let sequence = number(sequence)?;
+    let sequence = number(sequence.sequence, sequence.after).map_err(Failure::Input)?;
     let mut world = world(shared)?;
     warn(shared, &slow_checks(&world));
     if !bodies.is_empty() {

@@ -6,8 +6,8 @@ use crate::cli::{ClockArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
 use crate::verb::asked::mission;
-use crate::verb::sequence::number;
 use crate::verb::told::tell;
+use formats::sequence::number;
 use formats::uplink::{sequence_told, spacecraft};
 use mission::number::Number;
 use mission::quantity;
@@ -28,7 +28,8 @@ const CHANGE_FILE: &str = "change.tbl";
 pub(super) fn clock(shared: &SharedArgs, arguments: &ClockArgs) -> Result<(), Failure> {
     let at = instant("--at", &arguments.at)?;
     let record = ClockCorrelation {
-        sequence: number(&arguments.sequence)?,
+        sequence: number(arguments.sequence.sequence, arguments.sequence.after)
+            .map_err(Failure::Input)?,
         spacecraft: spacecraft(&mission(shared)?),
         uncertainty_ns: arguments.uncertainty_ns,
         ticks: arguments.ticks,
