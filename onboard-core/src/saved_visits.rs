@@ -34,7 +34,6 @@ impl<const BINS: usize> TargetVisits<BINS> {
     ///
     /// # Errors
     /// [`RecordError::Length`] unless the record has [`visits_record_bytes`] bytes.
-    #[inline(never)]
     pub fn to_record(
         &self,
         divisions: &Divisions,
@@ -42,39 +41,17 @@ impl<const BINS: usize> TargetVisits<BINS> {
         spacecraft: u32,
         record: &mut [u8],
     ) -> Result<(), RecordError> {
-        if record.len() != visits_record_bytes(BINS) {
-            return Err(RecordError::Length(record.len()));
-        }
-        record.fill(0);
-        put(record, 12, identity(divisions).to_le_bytes());
-        put(record, 16, target.to_le_bytes());
-        put(record, 20, bins::<BINS>().to_le_bytes());
-        put(record, 24, self.visits.to_le_bytes());
-        put(record, 28, self.clipped.to_le_bytes());
-        put(record, 32, self.dwell_sum.ns().to_le_bytes());
-        let mut flags = 0_u32;
-        if let Some(gap) = self.longest_gap {
-            put(record, 40, gap.ns().to_le_bytes());
-            flags |= 1;
-        }
-        if let Some(last) = self.last {
-            put(record, 48, last.entry.tai_ns().to_le_bytes());
-            put(record, 56, last.exit.tai_ns().to_le_bytes());
-            flags |= 2;
-            flags |= u32::from(last.entry_clipped).wrapping_shl(2);
-            flags |= u32::from(last.exit_clipped).wrapping_shl(3);
-        }
-        put(record, 64, flags.to_le_bytes());
-        let mut offset = FIRST_COUNT;
-        for histogram in [&self.dwell, &self.revisit, &self.gap] {
-            let outside = [histogram.under, histogram.over];
-            for count in histogram.counts.iter().chain(&outside) {
-                put(record, offset, count.to_le_bytes());
-                offset = offset.wrapping_add(4);
-            }
-        }
-        KIND.seal(record, spacecraft);
-        Ok(())
+        let fixed = Fixed {
+            visits: self.visits,
+            clipped: self.clipped,
+            dwell_sum: self.dwell_sum,
+            longest_gap: self.longest_gap,
+            last: self.last,
+        };
+        let counts = [&self.dwell, &self.revisit, &self.gap]
+            .map(|it| (it.counts.as_slice(), [it.under, it.over]));
+        let origin = [identity(divisions), target, spacecraft];
+        write(record, BINS, origin, &fixed, &counts)
     }
 
     /// Reads a saved record of the same log.
@@ -82,57 +59,139 @@ impl<const BINS: usize> TargetVisits<BINS> {
     /// # Errors
     /// [`RecordError`] when it is damaged, of another version or spacecraft, or when divisions, number
     /// of bins or target are others.
-    #[inline(never)]
     pub fn from_record(
         record: &[u8],
         divisions: &Divisions,
         target: u32,
         spacecraft: u32,
     ) -> Result<Self, RecordError> {
-        if record.len() != visits_record_bytes(BINS) {
-            return Err(RecordError::Length(record.len()));
+        let fixed = open(record, BINS, [identity(divisions), target, spacecraft])?;
+        let mut visits = Self {
+            visits: fixed.visits,
+            clipped: fixed.clipped,
+            dwell_sum: fixed.dwell_sum,
+            longest_gap: fixed.longest_gap,
+            last: fixed.last,
+            ..Self::EMPTY
+        };
+        let mut rest = record.get(FIRST_COUNT..).unwrap_or(&[]);
+        for histogram in [&mut visits.dwell, &mut visits.revisit, &mut visits.gap] {
+            let Histogram { counts, under, over } = histogram;
+            rest = read_counts(rest, counts, under, over);
         }
-        KIND.open(record, spacecraft)?;
-        let same = u32_at(record, 12) == Some(identity(divisions))
-            && u32_at(record, 16) == Some(target)
-            && u32_at(record, 20) == Some(bins::<BINS>());
-        if !same {
-            return Err(RecordError::OtherOrigin);
-        }
-        let mut visits = Self::EMPTY;
-        read(record, &mut visits).ok_or(RecordError::Damaged)?;
         Ok(visits)
     }
 }
 
+/// What a record holds beside its histograms.
+struct Fixed {
+    visits: u32,
+    clipped: u32,
+    dwell_sum: Duration,
+    longest_gap: Option<Duration>,
+    last: Option<LastVisit>,
+}
+
+/// Writes a record; `origin` is divisions, target and spacecraft.
 #[inline(never)]
-fn read<const BINS: usize>(record: &[u8], visits: &mut TargetVisits<BINS>) -> Option<()> {
-    visits.visits = u32_at(record, 24)?;
-    visits.clipped = u32_at(record, 28)?;
-    visits.dwell_sum = Duration::from_ns(i64_at(record, 32)?);
+fn write(
+    record: &mut [u8],
+    bins: usize,
+    [divisions, target, spacecraft]: [u32; 3],
+    fixed: &Fixed,
+    histograms: &[(&[u32], [u32; 2]); 3],
+) -> Result<(), RecordError> {
+    if record.len() != visits_record_bytes(bins) {
+        return Err(RecordError::Length(record.len()));
+    }
+    record.fill(0);
+    put(record, 12, divisions.to_le_bytes());
+    put(record, 16, target.to_le_bytes());
+    put(record, 20, narrow(bins).to_le_bytes());
+    put(record, 24, fixed.visits.to_le_bytes());
+    put(record, 28, fixed.clipped.to_le_bytes());
+    put(record, 32, fixed.dwell_sum.ns().to_le_bytes());
+    let mut flags = 0_u32;
+    if let Some(gap) = fixed.longest_gap {
+        put(record, 40, gap.ns().to_le_bytes());
+        flags |= 1;
+    }
+    if let Some(last) = fixed.last {
+        put(record, 48, last.entry.tai_ns().to_le_bytes());
+        put(record, 56, last.exit.tai_ns().to_le_bytes());
+        flags |= 2;
+        flags |= u32::from(last.entry_clipped).wrapping_shl(2);
+        flags |= u32::from(last.exit_clipped).wrapping_shl(3);
+    }
+    put(record, 64, flags.to_le_bytes());
+    let mut offset = FIRST_COUNT;
+    for (counts, outside) in histograms {
+        for count in counts.iter().chain(outside) {
+            put(record, offset, count.to_le_bytes());
+            offset = offset.wrapping_add(4);
+        }
+    }
+    KIND.seal(record, spacecraft);
+    Ok(())
+}
+
+/// Checks a record, and reads what is beside its histograms.
+#[inline(never)]
+fn open(
+    record: &[u8],
+    bins: usize,
+    [divisions, target, spacecraft]: [u32; 3],
+) -> Result<Fixed, RecordError> {
+    if record.len() != visits_record_bytes(bins) {
+        return Err(RecordError::Length(record.len()));
+    }
+    KIND.open(record, spacecraft)?;
+    let same = u32_at(record, 12) == Some(divisions)
+        && u32_at(record, 16) == Some(target)
+        && u32_at(record, 20) == Some(narrow(bins));
+    if !same {
+        return Err(RecordError::OtherOrigin);
+    }
+    read_fixed(record).ok_or(RecordError::Damaged)
+}
+
+#[inline(never)]
+fn read_fixed(record: &[u8]) -> Option<Fixed> {
     let flags = u32_at(record, 64)?;
     let has = |flag: u32| flags & flag != 0;
-    visits.longest_gap = has(1).then_some(Duration::from_ns(i64_at(record, 40)?));
+    let gap = Duration::from_ns(i64_at(record, 40)?);
     let last = LastVisit {
         entry: instant_at(record, 48)?,
         exit: instant_at(record, 56)?,
         entry_clipped: has(4),
         exit_clipped: has(8),
     };
-    visits.last = has(2).then_some(last);
-    let mut offset = FIRST_COUNT;
-    for histogram in [&mut visits.dwell, &mut visits.revisit, &mut visits.gap] {
-        let Histogram { counts, under, over } = histogram;
-        for count in counts.iter_mut().chain([under, over]) {
-            *count = u32_at(record, offset)?;
-            offset = offset.wrapping_add(4);
-        }
-    }
-    Some(())
+    Some(Fixed {
+        visits: u32_at(record, 24)?,
+        clipped: u32_at(record, 28)?,
+        dwell_sum: Duration::from_ns(i64_at(record, 32)?),
+        longest_gap: has(1).then_some(gap),
+        last: has(2).then_some(last),
+    })
 }
 
-fn bins<const BINS: usize>() -> u32 {
-    u32::try_from(BINS).unwrap_or(u32::MAX)
+/// Reads a histogram's counters, whose number was checked; what follows them.
+#[inline(never)]
+fn read_counts<'r>(
+    record: &'r [u8],
+    counts: &mut [u32],
+    under: &mut u32,
+    over: &mut u32,
+) -> &'r [u8] {
+    let mut numbers = record.as_chunks::<4>().0.iter();
+    for (count, bytes) in counts.iter_mut().chain([under, over]).zip(&mut numbers) {
+        *count = u32::from_le_bytes(*bytes);
+    }
+    numbers.as_slice().as_flattened()
+}
+
+fn narrow(bins: usize) -> u32 {
+    u32::try_from(bins).unwrap_or(u32::MAX)
 }
 
 /// What divisions are known by.
