@@ -137,7 +137,7 @@ pub enum AvoidanceStep {
     Searched(Instant),
     /// All channels have reached their end.
     Done,
-    /// A channel (its index) could not be evaluated; the search stands where it was.
+    /// A channel (its index) could not be evaluated; it stands where it was, and the others go on.
     Failed {
         /// Index of the channel.
         channel: usize,
@@ -165,7 +165,8 @@ impl<'c, 'a> AvoidanceFinder<'c, 'a> {
         self.finder.channels()
     }
 
-    /// Advances the channel that is furthest behind, or hands out the next violation.
+    /// Advances the channel that is furthest behind, or hands out the next violation, as
+    /// [`TransitFinder::step`] does.
     ///
     /// At most [`MAX_EVALUATIONS_PER_STEP`](crate::transit::MAX_EVALUATIONS_PER_STEP) evaluations.
     pub fn step(&mut self) -> AvoidanceStep {

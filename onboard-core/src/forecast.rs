@@ -2,7 +2,8 @@
 //!
 //! A [`Forecast`] runs one [`Channel`] per target until each has its next visit, with the
 //! [`Confidence`] that follows from how well the scan's angles are known then. A step does the
-//! bounded work of [`TransitFinder::step`], or evaluates one visit's confidence.
+//! bounded work of [`TransitFinder::step`], or evaluates one visit's confidence. A target that has
+//! its visit is searched no more, so that several targets take as many steps together as one by one.
 //!
 //! Limits: a visit in progress at the search's start counts as the next one.
 
@@ -29,7 +30,7 @@ pub enum ForecastStep {
     Searched(Instant),
     /// Every target has its next visit, or none within its search's span.
     Done,
-    /// A channel (its index) could not be evaluated; the search stands where it was.
+    /// A channel (its index) could not be evaluated; it stands where it was, and the others go on.
     Failed {
         /// Index of the channel.
         channel: usize,
@@ -50,11 +51,15 @@ pub struct Forecast<'c, 'a, 'm> {
 impl<'c, 'a, 'm> Forecast<'c, 'a, 'm> {
     /// A forecast over these channels, one per target; `next` is cleared.
     ///
-    /// Targets beyond the length of `next` are searched but not kept.
+    /// Channels beyond the length of `next` are not searched.
     #[must_use]
     pub fn new(channels: &'c mut [Channel<'a>], next: &'m mut [Option<NextVisit>]) -> Self {
         next.fill(None);
-        Self { finder: TransitFinder::new(channels), next, waiting: None }
+        let mut finder = TransitFinder::new(channels);
+        for index in next.len()..finder.channels().len() {
+            finder.retire(index);
+        }
+        Self { finder, next, waiting: None }
     }
 
     /// The next visits known so far, by target.
@@ -69,14 +74,10 @@ impl<'c, 'a, 'm> Forecast<'c, 'a, 'm> {
         if let Some(transit) = self.waiting.take() {
             return self.judge(transit, &covariance(transit.entry));
         }
-        if !self.next.is_empty() && self.next.iter().all(Option::is_some) {
-            return ForecastStep::Done;
-        }
         match self.finder.step() {
             Step::Transit(transit) => {
-                if matches!(self.next.get(transit.channel), Some(None)) {
-                    self.waiting = Some(transit);
-                }
+                self.finder.retire(transit.channel);
+                self.waiting = Some(transit);
                 ForecastStep::Searched(transit.entry)
             }
             Step::Searched(until) => ForecastStep::Searched(until),
@@ -99,7 +100,7 @@ impl<'c, 'a, 'm> Forecast<'c, 'a, 'm> {
                 ForecastStep::Found(index)
             }
             Err(error) => {
-                self.waiting = Some(transit);
+                self.finder.take_back(transit);
                 ForecastStep::Failed { channel: index, error }
             }
         }

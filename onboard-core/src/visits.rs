@@ -1,6 +1,6 @@
 //! How often is each target visited, for how long, and after what pause again.
 //!
-//! A [`VisitLog`] takes transits in order of entry and keeps, per target, counts, sums and
+//! A [`VisitLog`] takes each target's transits in order of entry and keeps, per target, counts, sums and
 //! histograms of dwell (exit less entry), revisit (next entry less entry) and gap (next entry less
 //! exit) in lent memory. [`Forecast`](crate::forecast::Forecast) has the next visits.
 //!
@@ -261,11 +261,12 @@ pub enum VisitError {
         /// Exit.
         exit: Instant,
     },
-    /// The entry lies before one that was taken already, of any target.
+    /// The entry lies before one of the same target that was taken already. Targets do not wait for
+    /// each other: one whose tables ended early is searched, and counted, later.
     OutOfOrder {
         /// Entry.
         entry: Instant,
-        /// Latest entry taken.
+        /// The target's latest entry taken.
         latest: Instant,
     },
     /// The entry lies before the same target's last exit.
@@ -282,16 +283,14 @@ pub enum VisitError {
 pub struct VisitLog<'m, const BINS: usize> {
     targets: &'m mut [TargetVisits<BINS>],
     divisions: Divisions,
-    latest: Option<Instant>,
 }
 
 impl<'m, const BINS: usize> VisitLog<'m, BINS> {
     /// A log that goes on from what the memory holds: [`TargetVisits::EMPTY`] for each target, or
     /// what an earlier log with the same divisions left there.
     #[must_use]
-    pub fn new(divisions: &Divisions, targets: &'m mut [TargetVisits<BINS>]) -> Self {
-        let latest = targets.iter().filter_map(|it| it.last.map(|last| last.entry)).max();
-        Self { targets, divisions: *divisions, latest }
+    pub const fn new(divisions: &Divisions, targets: &'m mut [TargetVisits<BINS>]) -> Self {
+        Self { targets, divisions: *divisions }
     }
 
     /// Counts a visit; a refused one leaves the log as it was.
@@ -306,18 +305,15 @@ impl<'m, const BINS: usize> VisitLog<'m, BINS> {
         if exit < entry {
             return Err(VisitError::Reversed { entry, exit });
         }
-        if let Some(latest) = self.latest
-            && entry < latest
-        {
-            return Err(VisitError::OutOfOrder { entry, latest });
-        }
-        if let Some(last) = visits.last
-            && entry < last.exit
-        {
-            return Err(VisitError::Overlap { entry, exit: last.exit });
+        if let Some(last) = visits.last {
+            if entry < last.entry {
+                return Err(VisitError::OutOfOrder { entry, latest: last.entry });
+            }
+            if entry < last.exit {
+                return Err(VisitError::Overlap { entry, exit: last.exit });
+            }
         }
         visits.add(transit, &self.divisions);
-        self.latest = Some(entry);
         Ok(())
     }
 

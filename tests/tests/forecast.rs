@@ -1,14 +1,19 @@
 //! The forecast has the first visit of each target, with the confidence that its channel gives.
 
-use onboard_core::ephemeris::{EphemerisError, EphemerisTable};
+use ephem::apparent::Sky;
+use ephem::fit::{FitOptions, fit};
+use ephem::source::Source;
+use ephem::time::parse_time;
+use onboard_core::ephemeris::{EphemerisError, EphemerisTable, SUN};
 use onboard_core::field_of_view::FieldOfView;
 use onboard_core::forecast::{Forecast, ForecastStep, NextVisit};
 use onboard_core::frame::Boresight;
 use onboard_core::phase::{Phase, Rotor};
 use onboard_core::rotation::Rotation;
+use onboard_core::scan::{ScanParameters, ScanStrategy};
 use onboard_core::sun::SunModel;
-use onboard_core::time::Instant;
-use onboard_core::transit::{Channel, MAX_EVALUATIONS_PER_STEP};
+use onboard_core::time::{Duration, Instant};
+use onboard_core::transit::{Channel, MAX_EVALUATIONS_PER_STEP, Step, TransitFinder};
 use onboard_core::uncertainty::ScanCovariance;
 use tests::{Plain, table, transits, turn_rate};
 
@@ -108,6 +113,103 @@ fn a_step_evaluates_as_often_as_a_finders_step_may() {
         }
     }
     assert!(before > 100, "{before}");
+}
+
+/// Steps until a forecast is done, and the failures on the way.
+fn run(channels: &mut [Channel<'_>], next: &mut [Option<NextVisit>]) -> (u32, Vec<usize>) {
+    let mut forecast = Forecast::new(channels, next);
+    let (mut steps, mut failed) = (0, Vec::new());
+    loop {
+        steps += 1;
+        match forecast.step(covariance) {
+            ForecastStep::Found(_) | ForecastStep::Searched(_) => {}
+            ForecastStep::Done => return (steps, failed),
+            ForecastStep::Failed { channel, .. } if failed.contains(&channel) => {
+                return (steps, failed);
+            }
+            ForecastStep::Failed { channel, .. } => failed.push(channel),
+        }
+    }
+}
+
+#[test]
+fn five_planets_take_as_many_steps_together_as_one_by_one() {
+    let start = parse_time("2032-04-01T00:00:00 TDB").unwrap();
+    let end = start.plus(Duration::from_ns(1096 * DAY_NS));
+    let planets = ["venus", "mars", "jupiter", "saturn", "uranus"].map(Source::by_name);
+    let planets = planets.map(Result::unwrap);
+    let fitted = fit(&Sky::from_l2(start), &planets, (start, end), &FitOptions::UPLINK).unwrap();
+    let table = EphemerisTable::parse(&fitted.bytes).unwrap();
+    let sun = SunModel::Table(table.body(SUN).unwrap());
+    let parameters = ScanParameters { start, ..*Plain::LITEBIRD.strategy().parameters() };
+    let scan = ScanStrategy::new(parameters).unwrap();
+    let field =
+        FieldOfView::circle(Rotation::<Boresight, Boresight>::IDENTITY, 0.5_f64.to_radians())
+            .unwrap();
+    let channel = |source: &Source| {
+        let body = table.body(source.body()).unwrap();
+        Channel::new(&scan, sun, body, &field, (start, end))
+    };
+    let mut channels: Vec<_> = planets.iter().map(channel).collect();
+    let mut next = [None; 5];
+    let alone: u32 = channels
+        .clone()
+        .iter_mut()
+        .map(|channel| run(std::slice::from_mut(channel), &mut [None]).0)
+        .sum();
+    let (together, failed) = run(&mut channels, &mut next);
+    assert!(failed.is_empty() && next.iter().all(Option::is_some));
+    // Each forecast by itself has a last step that only says that it is done.
+    assert_eq!(together, alone - 4);
+    assert!(together < 400, "{together}");
+}
+
+#[test]
+fn a_channel_that_fails_holds_up_no_other() {
+    let (long, short) = (tables(60), tables(2));
+    let end = Instant::from_tai_ns(60 * DAY_NS);
+    let mut whole = [None; TARGETS.len()];
+    run(&mut channels(&long, end), &mut whole);
+    for broken in 0..TARGETS.len() {
+        let mixed: Vec<_> = (0..TARGETS.len())
+            .map(|index| if index == broken { &short } else { &long }[index].clone())
+            .collect();
+        let mut next = [None; TARGETS.len()];
+        let (_, failed) = run(&mut channels(&mixed, end), &mut next);
+        let expected = whole[broken].is_none_or(|it: NextVisit| {
+            it.transit.entry > Instant::from_tai_ns(2 * DAY_NS)
+        });
+        assert_eq!(failed, if expected { vec![broken] } else { vec![] });
+        for index in (0..TARGETS.len()).filter(|index| *index != broken) {
+            assert_eq!(next[index], whole[index]);
+        }
+    }
+    // The finder below it, too: all transits of the others, then the failure again.
+    let mixed = [long[0].clone(), short[3].clone(), long[1].clone()];
+    let alone: Vec<_> = [0, 2]
+        .map(|index| transits(&mut channels(&mixed, end)[index..=index]))
+        .into_iter()
+        .flatten()
+        .map(|transit| (transit.entry, transit.exit))
+        .collect();
+    let mut channels = channels(&mixed, end);
+    let mut finder = TransitFinder::new(&mut channels);
+    let (mut found, mut failures) = (Vec::new(), 0);
+    while failures < 2 {
+        match finder.step() {
+            Step::Transit(transit) => found.push((transit.entry, transit.exit)),
+            Step::Searched(_) => {}
+            Step::Done => panic!("not all was searched"),
+            Step::Failed { channel, .. } => {
+                assert_eq!(channel, 1);
+                failures += 1;
+            }
+        }
+    }
+    assert!(found.is_sorted());
+    let mut expected = alone;
+    expected.sort_unstable();
+    assert_eq!(found, expected);
 }
 
 #[test]

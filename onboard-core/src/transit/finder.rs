@@ -1,5 +1,6 @@
 //! Many channels, one stream of transits in order.
 
+use super::channel::Part;
 use super::sight::Seen;
 use super::{Channel, Transit};
 use crate::ephemeris::EphemerisError;
@@ -14,7 +15,7 @@ pub enum Step {
     Searched(Instant),
     /// All channels have reached their end.
     Done,
-    /// A channel (its index) could not be evaluated; the search stands where it was.
+    /// A channel (its index) could not be evaluated; it stands where it was, and the others go on.
     Failed {
         /// Index of the channel.
         channel: usize,
@@ -24,6 +25,10 @@ pub enum Step {
 }
 
 /// A search over channels in lent memory, emitting transits by entry, then by channel.
+///
+/// Each channel that still searches holds the others back until its frontier has passed their
+/// transits, since it may yet find an earlier one. A channel that is finished, that could not be
+/// evaluated, or that is no longer wanted holds back none.
 #[derive(Debug)]
 pub struct TransitFinder<'c, 'a> {
     channels: &'c mut [Channel<'a>],
@@ -32,9 +37,12 @@ pub struct TransitFinder<'c, 'a> {
 }
 
 impl<'c, 'a> TransitFinder<'c, 'a> {
-    /// A search over these channels; their order breaks ties.
+    /// A search over all of these channels; their order breaks ties.
     #[must_use]
     pub fn new(channels: &'c mut [Channel<'a>]) -> Self {
+        for channel in channels.iter_mut() {
+            channel.set_part(Part::Active);
+        }
         Self { channels, seen: Seen::NOTHING }
     }
 
@@ -46,31 +54,62 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
 
     /// Advances the channel that is furthest behind, or hands out the next transit.
     ///
+    /// A channel that could not be evaluated is told of once and then left behind; it is tried again,
+    /// and told of again, once all others are done.
+    ///
     /// At most [`MAX_EVALUATIONS_PER_STEP`](super::MAX_EVALUATIONS_PER_STEP) evaluations.
     #[inline(never)]
     pub fn step(&mut self) -> Step {
-        // Earliest frontier first; at a tie a channel that may still find something goes before
-        // one that waits with a transit, so that equal entries come out in channel order.
-        let mut next: Option<(Instant, bool, usize, &mut Channel<'a>)> = None;
-        let mut index = 0_usize;
-        for channel in self.channels.iter_mut() {
-            if let Some(frontier) = channel.frontier() {
-                let found = channel.has_found();
-                let first =
-                    next.as_ref().is_none_or(|(at, waits, _, _)| (frontier, found) < (*at, *waits));
-                if first {
-                    next = Some((frontier, found, index, channel));
-                }
-            }
-            index = index.wrapping_add(1);
-        }
-        let Some((frontier, _, index, channel)) = next else { return Step::Done };
+        let next = self.next(Part::Active).or_else(|| self.next(Part::Failed));
+        let Some((frontier, index)) = next else { return Step::Done };
+        let Some(channel) = self.channels.get_mut(index) else { return Step::Done };
         if let Some(transit) = channel.take() {
             return Step::Transit(Transit { channel: index, ..transit });
         }
         match channel.advance(&mut self.seen) {
             Ok(()) => Step::Searched(frontier),
-            Err(error) => Step::Failed { channel: index, error },
+            Err(error) => {
+                channel.set_part(Part::Failed);
+                Step::Failed { channel: index, error }
+            }
+        }
+    }
+
+    /// Frontier and index of the channel to go on with, of those that play this part.
+    ///
+    /// Earliest frontier first; at a tie a channel that may still find something goes before one that
+    /// waits with a transit, so that equal entries come out in channel order.
+    #[inline(never)]
+    fn next(&self, part: Part) -> Option<(Instant, usize)> {
+        let mut next: Option<(Instant, bool, usize)> = None;
+        let mut index = 0_usize;
+        for channel in self.channels.iter() {
+            if channel.part() == part
+                && let Some(frontier) = channel.frontier()
+            {
+                let key = (frontier, channel.has_found(), index);
+                if next.is_none_or(|first| key < first) {
+                    next = Some(key);
+                }
+            }
+            index = index.wrapping_add(1);
+        }
+        next.map(|(frontier, _, index)| (frontier, index))
+    }
+
+    /// Searches this channel no more.
+    pub(crate) fn retire(&mut self, channel: usize) {
+        if let Some(channel) = self.channels.get_mut(channel) {
+            channel.set_part(Part::Retired);
+        }
+    }
+
+    /// Takes back a transit handed out just before, whose channel could not be evaluated for it: it
+    /// is handed out again once all other channels are done.
+    pub(crate) fn take_back(&mut self, transit: Transit) {
+        if let Some(channel) = self.channels.get_mut(transit.channel) {
+            channel.take_back(transit);
+            channel.set_part(Part::Failed);
         }
     }
 }

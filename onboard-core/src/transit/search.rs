@@ -161,6 +161,11 @@ impl Search {
         Some(transit)
     }
 
+    /// Takes back a transit that was taken just before, to be taken again.
+    pub(super) const fn take_back(&mut self, transit: Transit) {
+        self.state.stage = Stage::Found(transit);
+    }
+
     /// Searches on by one certified span: at most [`MAX_EVALUATIONS_PER_STEP`] evaluations.
     ///
     /// In three parts, so that no frame of one lies below the evaluations of another; `seen` is
