@@ -161,6 +161,54 @@ fn channels_come_out_in_order_of_entry_then_channel() {
 }
 
 #[test]
+fn near_equal_entries_come_out_in_order_and_never_before_the_frontier() {
+    let end_ns = 1096 * DAY_NS;
+    let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(end_ns));
+    let scan = Plain::LITEBIRD.strategy();
+    let mut noise = Noise::new(23);
+    let (mut near, mut closest_ns) = (0, i64::MAX);
+    for pair in 0..16 {
+        let apart_rad = 10.0_f64.powi(-6 - pair % 5);
+        let target = [noise.signed(), noise.signed(), 0.2 * noise.signed()];
+        let tables = [0.0, apart_rad].map(|by| {
+            let moved = [target[0] + by, target[1] - by, target[2] + by];
+            table(5, 0, end_ns.unsigned_abs(), &[vec![moved]])
+        });
+        let mut channels: Vec<_> = tables
+            .iter()
+            .map(|bytes| {
+                let body = EphemerisTable::parse(bytes).unwrap().body(5).unwrap();
+                Channel::new(&scan, sun(), body, &circle(1.0), span)
+            })
+            .collect();
+        let mut finder = TransitFinder::new(&mut channels);
+        let (mut frontier, mut last) = (span.0, None::<Transit>);
+        loop {
+            match finder.step() {
+                Step::Searched(until) => {
+                    assert!(until >= frontier, "the frontier moves back to {until:?}");
+                    frontier = until;
+                }
+                Step::Transit(transit) => {
+                    assert!(transit.entry >= frontier, "{frontier:?} {transit:?}");
+                    if let Some(last) = last {
+                        let key = |it: &Transit| (it.entry, it.channel);
+                        assert!(key(&last) < key(&transit), "{last:?} {transit:?}");
+                        let apart_ns = transit.entry.since(last.entry).ns();
+                        near += u32::from(apart_ns < 1_000_000);
+                        closest_ns = closest_ns.min(apart_ns);
+                    }
+                    last = Some(transit);
+                }
+                Step::Done => break,
+                Step::Failed { error, .. } => panic!("{error:?}"),
+            }
+        }
+    }
+    assert!(near > 800 && closest_ns < 512, "{near} {closest_ns}");
+}
+
+#[test]
 fn a_table_that_ends_too_early_is_reported_and_loses_nothing() {
     let bytes = table(5, 0, 10 * DAY_NS as u64, &[vec![TARGET]]);
     let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();

@@ -15,8 +15,8 @@ pub const MAX_EVALUATIONS_PER_STEP: u32 = 13;
 
 /// Evaluations spent on one closest approach.
 const REFINEMENTS: u32 = MAX_EVALUATIONS_PER_STEP - 1;
-/// Newton's correction of an entry or exit never exceeds this, in seconds.
-const LONGEST_CORRECTION_S: f64 = 1e-3;
+/// Newton's correction of an entry or exit never exceeds this, in ns.
+const LONGEST_CORRECTION_NS: i64 = 1_000_000;
 
 /// All that a search must remember to go on with the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -140,9 +140,14 @@ impl Search {
     }
 
     /// No transit that is still to come from this channel begins before this instant.
+    ///
+    /// An entry seen at the next instant may be corrected back ([`earliest`]).
     pub(crate) const fn frontier(&self) -> Option<Instant> {
         match self.state.stage {
-            Stage::Outside => Some(self.state.at),
+            Stage::Outside => Some(match self.state.previous {
+                Some(before) => earliest(self.state.at, before.at),
+                None => self.state.at,
+            }),
             Stage::Inside(visit) => Some(visit.entry),
             Stage::Found(transit) => Some(transit.entry),
             Stage::Done => None,
@@ -394,11 +399,18 @@ const fn within(offset: i64, width: i64) -> i64 {
     }
 }
 
-/// `seconds` before `at`, but neither beyond the longest correction nor before `earliest`.
-fn back(at: Instant, seconds: f64, earliest: Instant) -> Instant {
-    if seconds > LONGEST_CORRECTION_S {
+/// The earliest instant to which [`back`] corrects from `at`.
+const fn earliest(at: Instant, certified: Instant) -> Instant {
+    let corrected = at.plus(Duration::from_ns(-LONGEST_CORRECTION_NS));
+    if corrected.tai_ns() < certified.tai_ns() { certified } else { corrected }
+}
+
+/// `seconds` before `at`, but neither beyond the longest correction nor before `certified`, up to
+/// which no crossing was possible.
+fn back(at: Instant, seconds: f64, certified: Instant) -> Instant {
+    if seconds > Duration::from_ns(LONGEST_CORRECTION_NS).seconds() {
         return at;
     }
     let corrected = at.plus(Duration::from_seconds(-seconds));
-    if corrected < earliest { earliest } else { corrected }
+    if corrected < certified { certified } else { corrected }
 }
