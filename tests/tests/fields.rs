@@ -82,6 +82,53 @@ fn focal_planes() {
 }
 
 #[test]
+fn the_closest_approach_in_a_rectangle_is_that_of_dense_sampling() {
+    let tilted = Rotation::<Telescope, Boresight>::about_z(0.3)
+        .then(Rotation::<Boresight, Boresight>::about_x(0.1));
+    let lft = FieldOfView::rectangle(tilted, 18.0_f64.to_radians(), 8.0_f64.to_radians()).unwrap();
+    // An arcsecond's hundredth.
+    let allowed_rad = 0.01 / 3600.0 * std::f64::consts::PI / 180.0;
+    let mut at_an_edge = 0;
+    for (plain, days) in [(Plain::LITEBIRD, 400), (Plain::PLANCK, 60)] {
+        let (scan, end_ns) = (plain.strategy(), days * DAY_NS);
+        let track = vec![TARGET, [2e-3, -1e-3, 1e-3], [0.0, 1e-3, 1e-3]];
+        let bytes = table(5, 0, end_ns.unsigned_abs(), &[track]);
+        let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
+        let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(end_ns));
+        let separation = |ns: i64| {
+            let at = Instant::from_tai_ns(ns);
+            let look = attitude(&scan, &sun(), at).unwrap();
+            let seen = look.inverse().apply(body.state(at).unwrap().direction);
+            lft.centre().separation_rad(seen)
+        };
+        let found = transits(&mut [Channel::new(&scan, sun(), body, &lft, span)]);
+        assert!(found.len() > 500, "{}", found.len());
+        for transit in &found {
+            let (entry, exit) = (transit.entry.tai_ns(), transit.exit.tai_ns());
+            let step = (exit - entry) / 64 + 1;
+            let sampled = (0..=64).map(|k| (entry + k * step).min(exit));
+            let least = sampled.min_by(|a, b| separation(*a).total_cmp(&separation(*b))).unwrap();
+            let (mut low, mut high) = ((least - step).max(entry), (least + step).min(exit));
+            while high - low > 2 {
+                let third = (high - low) / 3;
+                if separation(low + third) < separation(high - third) {
+                    high -= third.max(1);
+                } else {
+                    low += third.max(1);
+                }
+            }
+            let dense = (low..=high).map(separation).fold(f64::INFINITY, f64::min);
+            let off = transit.min_separation_rad - dense;
+            assert!(off.abs() < allowed_rad, "{off:e} rad: {transit:?}");
+            let stated = separation(transit.closest.tai_ns()) - transit.min_separation_rad;
+            assert!(stated.abs() < 1e-12, "{stated:e} rad: {transit:?}");
+            at_an_edge += u32::from([transit.entry, transit.exit].contains(&transit.closest));
+        }
+    }
+    assert!(at_an_edge > 50, "{at_an_edge}");
+}
+
+#[test]
 fn radii_to_half_a_turn() {
     for degrees in [0.001, 0.1, 30.0, 60.0, 90.0, 120.0, 179.0] {
         check(Plain::LITEBIRD, &circle(degrees), TARGET, 30);

@@ -169,6 +169,11 @@ impl Reach {
         });
     }
 
+    /// Whether the edge is made of sides, along which the separation from the centre differs.
+    pub(super) const fn has_sides(&self) -> bool {
+        matches!(self.edge, Edge::Rectangle(_))
+    }
+
     /// The caps whose intersection the field is; none for an enlarged rectangle.
     fn caps(&self) -> &[Cap] {
         match &self.edge {

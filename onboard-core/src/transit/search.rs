@@ -57,8 +57,8 @@ struct Visit {
 struct Survey {
     now: Approach,
     inside: bool,
-    /// Seconds back to the entry or exit, where the boundary was crossed.
-    since_s: f64,
+    /// The entry or exit, where the boundary was crossed since the previous evaluation.
+    crossing: Option<Instant>,
     /// Seconds ahead without another crossing.
     stays_s: f64,
     /// Largest second derivative of the closeness, 1/s^2.
@@ -197,50 +197,58 @@ impl Search {
         let now = Approach { at, closeness, rate };
         let inside = self.reach.inside(&sight);
         let was_inside = matches!(self.state.stage, Stage::Inside(_));
-        let since_s = match (was_inside, inside) {
-            (false, true) => self.reach.since_entry(&sight),
-            (true, false) => self.reach.since_exit(&sight),
-            _ => 0.0,
-        };
+        let crossing = self.state.previous.and_then(|before| match (was_inside, inside) {
+            (false, true) => Some(back(at, self.reach.since_entry(&sight), before.at)),
+            (true, false) => Some(back(at, self.reach.since_exit(&sight), before.at)),
+            _ => None,
+        });
         let stays_s = match (was_inside, inside) {
             (_, true) => self.reach.stays_inside(&self.motion, &sight),
             (false, false) => self.reach.stays_outside(&self.motion, &sight),
             (true, false) => 0.0,
         };
         let curvature = self.reach.closeness_curvature(&self.motion, &sight);
-        Survey { now, inside, since_s, stays_s, curvature }
+        Survey { now, inside, crossing, stays_s, curvature }
     }
 
     /// The visit that the survey finds in progress, before any summit is known.
     #[inline(never)]
     fn visit(&self, seen: &Survey) -> Option<Visit> {
-        let now = seen.now;
         match self.state.stage {
             Stage::Inside(visit) => Some(visit),
-            Stage::Outside if seen.inside => {
-                let entry = match self.state.previous {
-                    Some(before) => back(now.at, seen.since_s, before.at),
-                    None => now.at,
-                };
-                let clipped = self.state.previous.is_none();
-                Some(Visit { entry, clipped, best: Approach { at: entry, ..now } })
-            }
+            Stage::Outside if seen.inside => Some(Visit {
+                entry: seen.crossing.unwrap_or(seen.now.at),
+                clipped: seen.crossing.is_none(),
+                best: seen.now,
+            }),
             Stage::Outside | Stage::Found(_) | Stage::Done => None,
         }
     }
 
-    /// The previous evaluation, where an approach closer than the best may lie since then.
+    /// The entry or exit since the previous evaluation, where the closest approach may lie there: in
+    /// a rectangle the target may come closer to the centre up to an exit, or go away from an entry
+    /// on. Elsewhere an edge is the farthest part of a transit.
     #[inline(never)]
-    fn rising(&self, seen: &Survey) -> Option<Approach> {
-        let (now, best) = (seen.now, self.visit(seen)?.best);
-        let before = self.state.previous?;
-        if !(before.rate > 0.0 && now.rate <= 0.0) {
-            return None;
+    fn closest_at_the_edge(&self, seen: &Survey) -> Option<Instant> {
+        let (crossing, before) = (seen.crossing?, self.state.previous?);
+        let closer = if seen.inside {
+            seen.now.rate <= 0.0
+        } else {
+            seen.now.rate > 0.0 || before.rate > 0.0
+        };
+        (self.reach.has_sides() && closer).then_some(crossing)
+    }
+
+    /// Whether an approach closer than the best may lie between two instants.
+    fn rises(&self, seen: &Survey, (low, high): (&Approach, &Approach)) -> bool {
+        let Some(visit) = self.visit(seen) else { return false };
+        if !(low.rate > 0.0 && high.rate <= 0.0) {
+            return false;
         }
-        let span = now.at.since(before.at).seconds();
+        let span = high.at.since(low.at).seconds();
         let ceiling =
-            libm::fmax(before.closeness, now.closeness) + 0.125 * seen.curvature * span * span;
-        (ceiling > best.closeness).then_some(before)
+            libm::fmax(low.closeness, high.closeness) + 0.125 * seen.curvature * span * span;
+        ceiling > visit.best.closeness
     }
 
     /// Moves the state on by what was seen.
@@ -263,9 +271,7 @@ impl Search {
             visit.best = summit;
         }
         if !seen.inside {
-            let inside_until = self.state.previous.map_or(now.at, |before| before.at);
-            let exit = back(now.at, seen.since_s, inside_until);
-            self.finish(visit, visit.best, exit, false);
+            self.finish(visit, visit.best, seen.crossing.unwrap_or(now.at), false);
             self.state.previous = Some(now);
             return;
         }
@@ -338,8 +344,8 @@ impl Search {
         });
     }
 
-    /// The maximum of closeness since the previous evaluation, where that may be a new best: by false
-    /// position on its rate (Illinois).
+    /// The maximum of closeness since the previous evaluation, within the visit, where that may be a
+    /// new best: at an edge, or by false position on its rate (Illinois).
     #[inline(never)]
     fn summit(
         &mut self,
@@ -347,12 +353,26 @@ impl Search {
         lookup: &Lookup<'_, '_>,
         seen: &mut Seen,
     ) -> Result<Option<Approach>, EphemerisError> {
-        let after = survey.now;
-        let Some(before) = self.rising(survey) else { return Ok(None) };
-        let (mut low, mut high) = (before, after);
-        let mut best = if before.closeness > after.closeness { before } else { after };
+        let Some(mut low) = self.state.previous else { return Ok(None) };
+        let mut high = survey.now;
+        let mut best = None;
+        let mut evaluated = 0;
+        if let Some(edge) = self.closest_at_the_edge(survey) {
+            let mut there = high;
+            if edge < high.at {
+                self.see(edge, lookup, seen)?;
+                evaluated = 1;
+                there = self.approach(edge, seen);
+            }
+            *(if survey.inside { &mut low } else { &mut high }) = there;
+            best = Some(there);
+        }
+        if !self.rises(survey, (&low, &high)) {
+            return Ok(best);
+        }
+        let mut best = if low.closeness > high.closeness { low } else { high };
         let mut kept_low = 0_i8;
-        for _ in 0..REFINEMENTS {
+        for _ in evaluated..REFINEMENTS {
             let width = high.at.since(low.at).ns();
             if width <= 1 {
                 break;
