@@ -34,7 +34,7 @@ use crate::bytes::{f64_at, i32_at, i64_at, u16_at, u32_at, u64_at};
 use crate::convert::{f64_from_u64, index_from_u32, index_from_u64, u32_from_f64};
 use crate::direction::{Direction, DirectionState, MotionBounds};
 use crate::frame::Ecliptic;
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
 use core::num::NonZeroU64;
 use nalgebra::Vector3;
 
@@ -243,6 +243,18 @@ impl BodyTable<'_> {
     /// [`EphemerisError::OutOfSpan`] outside the body's spans, in a gap between two, or where the
     /// series has no direction.
     pub fn state(self, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> {
+        Ok(self.state_until(at)?.0)
+    }
+
+    /// As [`Self::state`], with the end of the granule: up to it, the end itself excluded unless the
+    /// body's tables end there, direction and motion follow one series and obey the bounds.
+    ///
+    /// # Errors
+    /// [`EphemerisError::OutOfSpan`] as [`Self::state`].
+    pub(crate) fn state_until(
+        self,
+        at: Instant,
+    ) -> Result<(DirectionState<Ecliptic>, Instant), EphemerisError> {
         self.evaluate(at).ok_or(EphemerisError::OutOfSpan(at))
     }
 
@@ -281,11 +293,17 @@ impl BodyTable<'_> {
         let first = index_from_u32(u32_at(record, 12)?.checked_div(3)?)
             .checked_add(index_from_u64(granule).checked_mul(orders)?)?;
         let orders = self.data.get(first..first.checked_add(orders)?)?;
-        Some(Series { orders, x: 2.0 * (f64_from_u64(within) / length) - 1.0, length })
+        let rest_ns = i64::try_from(length_ns.wrapping_sub(within)).unwrap_or(i64::MAX);
+        Some(Series {
+            orders,
+            x: 2.0 * (f64_from_u64(within) / length) - 1.0,
+            length,
+            end: at.plus(Duration::from_ns(rest_ns)),
+        })
     }
 
     #[inline(never)]
-    fn evaluate(self, at: Instant) -> Option<DirectionState<Ecliptic>> {
+    fn evaluate(self, at: Instant) -> Option<(DirectionState<Ecliptic>, Instant)> {
         let series = self.series(at)?;
         let (value, slope) = chebyshev(series.orders, series.x);
         let direction = Direction::from_nearly_unit(value)?;
@@ -298,7 +316,7 @@ impl BodyTable<'_> {
         if !(rate.x + rate.y + rate.z).is_finite() {
             return None;
         }
-        Some(DirectionState { direction, rate_per_s: [rate.x, rate.y, rate.z] })
+        Some((DirectionState { direction, rate_per_s: [rate.x, rate.y, rate.z] }, series.end))
     }
 
     /// First and last instant of the body's spans; a gap between spans is not seen here.
@@ -330,6 +348,8 @@ struct Series<'a> {
     x: f64,
     /// Length of the granule in ns.
     length: f64,
+    /// End of the granule.
+    end: Instant,
 }
 
 /// Quotient and rest of `offset / length_ns`; `length` is `length_ns` as f64. `None` where the

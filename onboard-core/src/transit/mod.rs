@@ -21,6 +21,10 @@
 //! 4. Close by, `f = cos(separation) - cos r` obeys `|f''| <= M`, so `f + f' h + M h^2/2 < 0`
 //!    certifies h seconds. The steps converge on a crossing quadratically and never pass it.
 //!
+//! A table's bounds hold within each of its series. Where one series follows another, at a burn above
+//! all, direction, rate and second derivative may jump: no skipped span reaches over such a joint, so
+//! the search evaluates on both sides of it, and a jump across the edge is an entry or exit there.
+//!
 //! Limits: crossings shallower than [`SEPARATION_TOLERANCE_RAD`] may be missed or reported; entry
 //! and exit are within that separation of the boundary. Where one transit holds several approaches
 //! (fields wider than a sixteenth of a spin turn), the closest is the deepest of those told apart at

@@ -59,8 +59,10 @@ struct Survey {
     inside: bool,
     /// The entry or exit, where the boundary was crossed since the previous evaluation.
     crossing: Option<Instant>,
-    /// Seconds ahead without another crossing.
+    /// Seconds ahead without another crossing, as long as the motion has no joint.
     stays_s: f64,
+    /// Where the next evaluation must lie at the latest: no joint is passed unseen.
+    latest: Instant,
     /// Largest second derivative of the closeness, 1/s^2.
     curvature: f64,
 }
@@ -198,7 +200,11 @@ impl Search {
         let inside = self.reach.inside(&sight);
         let was_inside = matches!(self.state.stage, Stage::Inside(_));
         let crossing = self.state.previous.and_then(|before| match (was_inside, inside) {
-            (false, true) => Some(back(at, self.reach.since_entry(&sight), before.at)),
+            (false, true) => {
+                // It was outside at the previous instant.
+                let first = before.at.plus(Duration::from_ns(1));
+                Some(back(at, self.reach.since_entry(&sight), first))
+            }
             (true, false) => Some(back(at, self.reach.since_exit(&sight), before.at)),
             _ => None,
         });
@@ -208,7 +214,7 @@ impl Search {
             (true, false) => 0.0,
         };
         let curvature = self.reach.closeness_curvature(&self.motion, &sight);
-        Survey { now, inside, crossing, stays_s, curvature }
+        Survey { now, inside, crossing, stays_s, latest: seen.latest_step(at), curvature }
     }
 
     /// The visit that the survey finds in progress, before any summit is known.
@@ -260,7 +266,7 @@ impl Search {
                 if now.at >= self.state.end {
                     self.state.stage = Stage::Done;
                 } else {
-                    self.move_on(now, seen.stays_s);
+                    self.move_on(seen);
                 }
             }
             return;
@@ -282,7 +288,7 @@ impl Search {
             self.finish(visit, visit.best, now.at, true);
         } else {
             self.state.stage = Stage::Inside(visit);
-            self.move_on(now, seen.stays_s);
+            self.move_on(seen);
         }
     }
 
@@ -324,11 +330,11 @@ impl Search {
         Approach { at, closeness, rate }
     }
 
-    fn move_on(&mut self, now: Approach, seconds: f64) {
-        let whole_ns = Duration::from_seconds_floor(seconds).ns();
-        let next = now.at.plus(Duration::from_ns(if whole_ns < 1 { 1 } else { whole_ns }));
-        self.state.at = if next < self.state.end { next } else { self.state.end };
-        self.state.previous = Some(now);
+    fn move_on(&mut self, seen: &Survey) {
+        let whole_ns = Duration::from_seconds_floor(seen.stays_s).ns();
+        let next = seen.now.at.plus(Duration::from_ns(whole_ns.max(1)));
+        self.state.at = next.min(seen.latest).min(self.state.end);
+        self.state.previous = Some(seen.now);
     }
 
     fn finish(&mut self, visit: Visit, best: Approach, exit: Instant, exit_clipped: bool) {

@@ -5,7 +5,7 @@ use crate::ephemeris::{BodyTable, EphemerisError};
 use crate::frame::{AntiSun, Ecliptic};
 use crate::scan::ScanStrategy;
 use crate::sun::{AntiSunAxes, SunModel};
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
 use crate::trigonometry;
 use nalgebra::Vector3;
 
@@ -52,6 +52,9 @@ pub(crate) struct Seen {
     target: DirectionState<AntiSun>,
     /// Sine and cosine of the precession phase, then of the spin phase.
     sines: [(f64, f64); 2],
+    /// Where the series of the Sun or of the target ends: there direction, rate and second
+    /// derivative may jump, as at a burn.
+    joint: Instant,
 }
 
 impl Seen {
@@ -60,7 +63,15 @@ impl Seen {
         anti_sun: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
         target: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
         sines: [(0.0, 1.0); 2],
+        joint: Instant::from_tai_ns(i64::MAX),
     };
+
+    /// The longest that a step may take from `at`, where it was evaluated: to the last instant before
+    /// the joint, and from there to the joint, so that no step passes it unseen.
+    pub(super) const fn latest_step(&self, at: Instant) -> Instant {
+        let before = self.joint.plus(Duration::from_ns(-1));
+        if before.tai_ns() > at.tai_ns() { before } else { at.plus(Duration::from_ns(1)) }
+    }
 
     /// Evaluates at `at`, in place.
     #[inline]
@@ -84,13 +95,15 @@ impl Seen {
         motion: &Motion,
         sun: &SunModel<'_>,
     ) -> Result<(), EphemerisError> {
-        self.anti_sun = sun.state(motion.scan.parameters().start, at)?;
+        (self.anti_sun, self.joint) = sun.state_until(motion.scan.parameters().start, at)?;
         Ok(())
     }
 
     #[inline(never)]
     fn view(&mut self, at: Instant, target: BodyTable<'_>) -> Result<(), EphemerisError> {
-        self.target = AntiSunAxes::new(&self.anti_sun).view(&target.state(at)?);
+        let (state, joint) = target.state_until(at)?;
+        self.target = AntiSunAxes::new(&self.anti_sun).view(&state);
+        self.joint = self.joint.min(joint);
         Ok(())
     }
 
