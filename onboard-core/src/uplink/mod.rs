@@ -51,7 +51,7 @@ use crc::{CRC_32_ISO_HDLC, CRC_64_XZ, Crc, Digest, NoTable};
 /// First bytes of every container.
 pub const MAGIC: [u8; 8] = *b"GYRFALCN";
 /// The format version that this crate reads and writes.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// Bytes of the header.
 pub const HEADER_BYTES: usize = 64;
 /// Bytes of one directory entry.
@@ -450,7 +450,7 @@ pub(crate) mod tests {
     #[test]
     fn an_older_version_is_named() {
         let mut bytes = container();
-        bytes[8] = 1;
-        assert_eq!(Container::parse(&bytes).unwrap_err(), UplinkError::Version(1));
+        bytes[8] = 2;
+        assert_eq!(Container::parse(&bytes).unwrap_err(), UplinkError::Version(2));
     }
 }

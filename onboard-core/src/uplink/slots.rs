@@ -274,7 +274,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::direction::MotionBounds;
-    use crate::ephemeris::Span;
+    use crate::ephemeris::{BodyRecord, Span, header_to_le_bytes};
     use crate::phase::{Phase, Rotor, TurnRate};
     use crate::scan::ScanParameters;
     use crate::uplink::tests::container_of;
@@ -295,7 +295,9 @@ mod tests {
             granule_ns: NonZeroU64::new(1000).unwrap(),
             bounds: MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 1.0 },
         };
-        let mut bytes = [1_u32.to_le_bytes(), 3_u32.to_le_bytes()].concat();
+        let body = BodyRecord { body: 5, spans: 1, first: 0, bounds: span.bounds };
+        let mut bytes = header_to_le_bytes(1, 1, 3).to_vec();
+        bytes.extend(body.to_le_bytes());
         bytes.extend(span.to_le_bytes());
         bytes.extend([0.0, 0.0, 1.0_f64].iter().flat_map(|number| number.to_le_bytes()));
         bytes

@@ -1,6 +1,7 @@
 //! The seed corpus: real tables and records, and streams of operations that get somewhere.
 
 use crate::{sequencer as fly, slots as store};
+use onboard_core::ephemeris::{BODY_BYTES, HEADER_BYTES, SPAN_BYTES, header_to_le_bytes};
 use onboard_core::field_of_view::FieldShape;
 use onboard_core::frame::{Boresight, Detector, Telescope};
 use onboard_core::phase::{Phase, Rotor};
@@ -38,18 +39,22 @@ fn moving() -> Vec<u8> {
         table(body, -DAY, 10 * 86_400_000_000_000, &granules)
     };
     let tables = [one(4, 0.02), one(5, 0.01), one(10, 0.086)];
-    let numbers = (tables[0].len() - 8 - 56) / 8;
-    let count = u32::try_from(tables.len()).expect("three tables");
-    let mut bytes = count.to_le_bytes().to_vec();
-    bytes.extend((u32::try_from(numbers).expect("few numbers") * count).to_le_bytes());
+    let (body, span) = (HEADER_BYTES, HEADER_BYTES + BODY_BYTES);
+    let data = span + SPAN_BYTES;
+    let numbers = u32::try_from((tables[0].len() - data) / 8).expect("few numbers");
+    let mut bytes = header_to_le_bytes(3, 3, 3 * numbers).to_vec();
     for (index, one) in (0_u32..).zip(&tables) {
-        let mut span = one[8..64].to_vec();
-        let first = index * u32::try_from(numbers).expect("few numbers");
-        span[12..16].copy_from_slice(&first.to_le_bytes());
-        bytes.extend(span);
+        let mut record = one[body..span].to_vec();
+        record[8..12].copy_from_slice(&index.to_le_bytes());
+        bytes.extend(record);
+    }
+    for (index, one) in (0_u32..).zip(&tables) {
+        let mut record = one[span..data].to_vec();
+        record[12..16].copy_from_slice(&(index * numbers).to_le_bytes());
+        bytes.extend(record);
     }
     for one in &tables {
-        bytes.extend(&one[64..]);
+        bytes.extend(&one[data..]);
     }
     bytes
 }

@@ -20,7 +20,9 @@ use onboard_core::avoidance::{
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
 use onboard_core::detector::detector_at;
 use onboard_core::direction::{Direction, DirectionState, MotionBounds};
-use onboard_core::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SPAN_BYTES, Span};
+use onboard_core::ephemeris::{
+    self, BODY_BYTES, BodyRecord, BodyTable, EphemerisError, EphemerisTable, HEADER_BYTES, SPAN_BYTES, Span,
+};
 use onboard_core::field_of_view::{FieldOfView, FieldOfViewError, FieldShape};
 use onboard_core::forecast::{Forecast, ForecastStep, NextVisit};
 use onboard_core::frame::{AntiSun, Boresight, Detector, Ecliptic, Icrf, Spin, Telescope};
@@ -145,11 +147,16 @@ probes! {
     rotation_inverse(rotation: Attitude) -> Rotation<Ecliptic, Detector> { rotation.inverse() }
     rotation_apply(rotation: Attitude, direction: Direction<Detector>) -> Direction<Ecliptic> { rotation.apply(direction) }
 
+    body_record_from_le_bytes(record: [u8; BODY_BYTES]) -> Option<BodyRecord> { BodyRecord::from_le_bytes(&record) }
+    body_record_to_le_bytes(record: BodyRecord) -> [u8; BODY_BYTES] { record.to_le_bytes() }
+    header_to_le_bytes(bodies: u32, spans: u32, coefficients: u32) -> [u8; HEADER_BYTES] { ephemeris::header_to_le_bytes(bodies, spans, coefficients) }
+    motion_bounds_and(a: MotionBounds, b: MotionBounds) -> MotionBounds { a.and(&b) }
     span_from_le_bytes(record: [u8; SPAN_BYTES]) -> Option<Span> { Span::from_le_bytes(&record) }
     span_to_le_bytes(span: Span) -> [u8; SPAN_BYTES] { span.to_le_bytes() }
     span_end(span: Span) -> Option<Instant> { span.end() }
     ephemeris_table_parse(bytes: Bytes) -> Result<EphemerisTable<'static>, EphemerisError> { EphemerisTable::parse(bytes) }
     ephemeris_table_spans(table: EphemerisTable<'static>) -> u64 { table.spans().fold(0, |sum, span| sum ^ span.granule_ns.get()) }
+    ephemeris_table_bodies(table: EphemerisTable<'static>) -> u32 { table.bodies().fold(0, |sum, body| sum ^ body.first) }
     ephemeris_table_body(table: EphemerisTable<'static>, body: i32) -> Result<BodyTable<'static>, EphemerisError> { table.body(body) }
     body_table_state(body: BodyTable<'static>, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> { body.state(at) }
     body_table_coverage(body: BodyTable<'static>) -> Option<(Instant, Instant)> { body.coverage() }
