@@ -52,7 +52,7 @@ use crate::source::Source;
 use body::{FittedSpan, Job};
 use core::num::NonZeroU64;
 use onboard_core::direction::MotionBounds;
-use onboard_core::ephemeris::{BodyRecord, HEADER_BYTES, SPAN_BYTES, Span, header_to_le_bytes};
+use onboard_core::ephemeris::{BodyRecord, HEADER_BYTES, SPAN_BYTES, Span, table_header};
 use onboard_core::time::Instant;
 use shape::Tables;
 
@@ -174,7 +174,7 @@ fn write(fitted: &[(Sight<'_>, Vec<FittedSpan>)]) -> Result<FittedTable, FitErro
     let count = u32::try_from(bodies.len()).map_err(|_| too_large(data.len()))?;
     let size = HEADER_BYTES + directory.len() + records.len() + data.len();
     let mut bytes = Vec::with_capacity(size);
-    bytes.extend(header_to_le_bytes(count, spans, numbers));
+    bytes.extend(table_header(count, spans, numbers));
     bytes.extend(directory);
     bytes.extend(records);
     bytes.extend(data);

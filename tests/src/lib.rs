@@ -6,7 +6,7 @@ pub mod attitudes;
 pub mod stack;
 
 use onboard_core::direction::MotionBounds;
-use onboard_core::ephemeris::{BodyRecord, Span, header_to_le_bytes};
+use onboard_core::ephemeris::{BodyRecord, Span, table_header};
 use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::scan::{ScanParameters, ScanStrategy};
 use onboard_core::time::Instant;
@@ -193,7 +193,7 @@ pub fn table_of(body: i32, pieces: &[Piece]) -> Vec<u8> {
     let count = u32::try_from(numbers.len()).expect("few numbers");
     let own = pieces.iter().map(|piece| bounds(&piece.granules, piece.granule_ns));
     let bounds = own.fold(MotionBounds::NONE, |largest, own| largest.and(&own));
-    let mut bytes = header_to_le_bytes(1, spans, count).to_vec();
+    let mut bytes = table_header(1, spans, count).to_vec();
     bytes.extend(BodyRecord { body, spans, first: 0, bounds }.to_le_bytes());
     bytes.extend(records);
     bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));

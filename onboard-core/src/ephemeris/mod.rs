@@ -72,7 +72,7 @@ pub struct EphemerisTable<'a> {
 
 /// The header of a table with so many bodies, spans and f64 coefficients.
 #[must_use]
-pub fn header_to_le_bytes(bodies: u32, spans: u32, coefficients: u32) -> [u8; HEADER_BYTES] {
+pub fn table_header(bodies: u32, spans: u32, coefficients: u32) -> [u8; HEADER_BYTES] {
     let mut header = [0; HEADER_BYTES];
     crate::bytes::put(&mut header, 0, bodies.to_le_bytes());
     crate::bytes::put(&mut header, 4, spans.to_le_bytes());
@@ -240,7 +240,7 @@ mod tests {
     fn table_of(bodies: &[&[Span]]) -> Vec<u8> {
         let count = |length: usize| u32::try_from(length).unwrap();
         let spans: Vec<Span> = bodies.iter().copied().flatten().copied().collect();
-        let mut bytes = header_to_le_bytes(count(bodies.len()), count(spans.len()), 12).to_vec();
+        let mut bytes = table_header(count(bodies.len()), count(spans.len()), 12).to_vec();
         let mut first = 0;
         for own in bodies {
             let bounds = own.iter().fold(MotionBounds::NONE, |sum, span| sum.and(&span.bounds));

@@ -54,7 +54,7 @@ struct Visit {
 
 /// One evaluation, and what it certifies.
 #[derive(Debug, Clone, Copy)]
-struct Survey {
+struct Certificate {
     now: Approach,
     inside: bool,
     /// The entry or exit, where the boundary was crossed since the previous evaluation.
@@ -185,15 +185,15 @@ impl Search {
     ) -> Result<(), EphemerisError> {
         let at = self.state.at;
         self.see(at, lookup, seen)?;
-        let survey = self.survey(at, seen);
-        let summit = self.summit(&survey, lookup, seen)?;
-        self.conclude(&survey, summit);
+        let certificate = self.certify(at, seen);
+        let summit = self.summit(&certificate, lookup, seen)?;
+        self.conclude(&certificate, summit);
         Ok(())
     }
 
     /// What follows, in this stage, from what is seen.
     #[inline(never)]
-    fn survey(&self, at: Instant, seen: &Seen) -> Survey {
+    fn certify(&self, at: Instant, seen: &Seen) -> Certificate {
         let sight = Sight::new(&self.motion, seen);
         let (closeness, rate) = self.reach.closeness(&sight);
         let now = Approach { at, closeness, rate };
@@ -214,12 +214,12 @@ impl Search {
             (true, false) => 0.0,
         };
         let curvature = self.reach.closeness_curvature(&self.motion, &sight);
-        Survey { now, inside, crossing, stays_s, latest: seen.latest_step(at), curvature }
+        Certificate { now, inside, crossing, stays_s, latest: seen.latest_step(at), curvature }
     }
 
-    /// The visit that the survey finds in progress, before any summit is known.
+    /// The visit that the evaluation finds in progress, before any summit is known.
     #[inline(never)]
-    fn visit(&self, seen: &Survey) -> Option<Visit> {
+    fn visit(&self, seen: &Certificate) -> Option<Visit> {
         match self.state.stage {
             Stage::Inside(visit) => Some(visit),
             Stage::Outside if seen.inside => Some(Visit {
@@ -235,7 +235,7 @@ impl Search {
     /// a rectangle the target may come closer to the centre up to an exit, or go away from an entry
     /// on. Elsewhere an edge is the farthest part of a transit.
     #[inline(never)]
-    fn closest_at_the_edge(&self, seen: &Survey) -> Option<Instant> {
+    fn closest_at_the_edge(&self, seen: &Certificate) -> Option<Instant> {
         let (crossing, before) = (seen.crossing?, self.state.previous?);
         let closer = if seen.inside {
             seen.now.rate <= 0.0
@@ -246,7 +246,7 @@ impl Search {
     }
 
     /// Whether an approach closer than the best may lie between two instants.
-    fn rises(&self, seen: &Survey, (low, high): (&Approach, &Approach)) -> bool {
+    fn rises(&self, seen: &Certificate, (low, high): (&Approach, &Approach)) -> bool {
         let Some(visit) = self.visit(seen) else { return false };
         if !(low.rate > 0.0 && high.rate <= 0.0) {
             return false;
@@ -259,7 +259,7 @@ impl Search {
 
     /// Moves the state on by what was seen.
     #[inline(never)]
-    fn conclude(&mut self, seen: &Survey, summit: Option<Approach>) {
+    fn conclude(&mut self, seen: &Certificate, summit: Option<Approach>) {
         let now = seen.now;
         let Some(mut visit) = self.visit(seen) else {
             if self.state.stage == Stage::Outside {
@@ -300,7 +300,7 @@ impl Search {
         seen: &mut Seen,
     ) -> Result<(), EphemerisError> {
         self.evaluations = self.evaluations.wrapping_add(1);
-        seen.look(at, &self.motion, lookup.sun, lookup.target)
+        seen.evaluate(at, &self.motion, lookup.sun, lookup.target)
     }
 
     /// The target at any instant; not counted.
@@ -311,7 +311,7 @@ impl Search {
         lookup: &Lookup<'_, '_>,
     ) -> Result<Sight, EphemerisError> {
         let mut seen = Seen::NOTHING;
-        seen.look(at, &self.motion, lookup.sun, lookup.target)?;
+        seen.evaluate(at, &self.motion, lookup.sun, lookup.target)?;
         Ok(Sight::new(&self.motion, &seen))
     }
 
@@ -330,7 +330,7 @@ impl Search {
         Approach { at, closeness, rate }
     }
 
-    fn move_on(&mut self, seen: &Survey) {
+    fn move_on(&mut self, seen: &Certificate) {
         let whole_ns = Duration::from_seconds_floor(seen.stays_s).ns();
         let next = seen.now.at.plus(Duration::from_ns(whole_ns.max(1)));
         self.state.at = next.min(seen.latest).min(self.state.end);
@@ -355,25 +355,25 @@ impl Search {
     #[inline(never)]
     fn summit(
         &mut self,
-        survey: &Survey,
+        certificate: &Certificate,
         lookup: &Lookup<'_, '_>,
         seen: &mut Seen,
     ) -> Result<Option<Approach>, EphemerisError> {
         let Some(mut low) = self.state.previous else { return Ok(None) };
-        let mut high = survey.now;
+        let mut high = certificate.now;
         let mut best = None;
         let mut evaluated = 0;
-        if let Some(edge) = self.closest_at_the_edge(survey) {
+        if let Some(edge) = self.closest_at_the_edge(certificate) {
             let mut there = high;
             if edge < high.at {
                 self.see(edge, lookup, seen)?;
                 evaluated = 1;
                 there = self.approach(edge, seen);
             }
-            *(if survey.inside { &mut low } else { &mut high }) = there;
+            *(if certificate.inside { &mut low } else { &mut high }) = there;
             best = Some(there);
         }
-        if !self.rises(survey, (&low, &high)) {
+        if !self.rises(certificate, (&low, &high)) {
             return Ok(best);
         }
         let mut best = if low.closeness > high.closeness { low } else { high };

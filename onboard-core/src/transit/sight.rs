@@ -66,6 +66,12 @@ impl Seen {
         joint: Instant::from_tai_ns(i64::MAX),
     };
 
+    /// Of a target in the anti-Sun frame, with the sines and cosines of both phases.
+    #[cfg(test)]
+    pub(super) const fn of(target: DirectionState<AntiSun>, sines: [(f64, f64); 2]) -> Self {
+        Self { target, sines, ..Self::NOTHING }
+    }
+
     /// The longest that a step may take from `at`, where it was evaluated: to the last instant before
     /// the joint, and from there to the joint, so that no step passes it unseen.
     pub(super) const fn latest_step(&self, at: Instant) -> Instant {
@@ -75,21 +81,21 @@ impl Seen {
 
     /// Evaluates at `at`, in place.
     #[inline]
-    pub(super) fn look(
+    pub(super) fn evaluate(
         &mut self,
         at: Instant,
         motion: &Motion,
         sun: &SunModel<'_>,
         target: BodyTable<'_>,
     ) -> Result<(), EphemerisError> {
-        self.face_away(at, motion, sun)?;
-        self.view(at, target)?;
-        self.turn(at, &motion.scan);
+        self.evaluate_sun(at, motion, sun)?;
+        self.evaluate_target(at, target)?;
+        self.evaluate_phases(at, &motion.scan);
         Ok(())
     }
 
     #[inline(never)]
-    fn face_away(
+    fn evaluate_sun(
         &mut self,
         at: Instant,
         motion: &Motion,
@@ -100,7 +106,11 @@ impl Seen {
     }
 
     #[inline(never)]
-    fn view(&mut self, at: Instant, target: BodyTable<'_>) -> Result<(), EphemerisError> {
+    fn evaluate_target(
+        &mut self,
+        at: Instant,
+        target: BodyTable<'_>,
+    ) -> Result<(), EphemerisError> {
         let (state, joint) = target.state_until(at)?;
         self.target = AntiSunAxes::new(&self.anti_sun).view(&state);
         self.joint = self.joint.min(joint);
@@ -108,7 +118,7 @@ impl Seen {
     }
 
     #[inline(never)]
-    fn turn(&mut self, at: Instant, scan: &ScanStrategy) {
+    fn evaluate_phases(&mut self, at: Instant, scan: &ScanStrategy) {
         let (precession, spin) = scan.phases(at);
         self.sines = [precession.sin_cos(), spin.sin_cos()];
     }

@@ -274,7 +274,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::direction::MotionBounds;
-    use crate::ephemeris::{BodyRecord, Span, header_to_le_bytes};
+    use crate::ephemeris::{BodyRecord, Span, table_header};
     use crate::phase::{Phase, Rotor, TurnRate};
     use crate::scan::ScanParameters;
     use crate::uplink::tests::container_of;
@@ -296,7 +296,7 @@ mod tests {
             bounds: MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 1.0 },
         };
         let body = BodyRecord { body: 5, spans: 1, first: 0, bounds: span.bounds };
-        let mut bytes = header_to_le_bytes(1, 1, 3).to_vec();
+        let mut bytes = table_header(1, 1, 3).to_vec();
         bytes.extend(body.to_le_bytes());
         bytes.extend(span.to_le_bytes());
         bytes.extend([0.0, 0.0, 1.0_f64].iter().flat_map(|number| number.to_le_bytes()));

@@ -1,7 +1,7 @@
 //! The seed corpus: real tables and records, and streams of operations that get somewhere.
 
 use crate::{sequencer as fly, slots as store};
-use onboard_core::ephemeris::{BODY_BYTES, HEADER_BYTES, SPAN_BYTES, header_to_le_bytes};
+use onboard_core::ephemeris::{BODY_BYTES, HEADER_BYTES, SPAN_BYTES, table_header};
 use onboard_core::field_of_view::FieldShape;
 use onboard_core::frame::{Boresight, Detector, Telescope};
 use onboard_core::phase::{Phase, Rotor};
@@ -42,7 +42,7 @@ fn moving() -> Vec<u8> {
     let (body, span) = (HEADER_BYTES, HEADER_BYTES + BODY_BYTES);
     let data = span + SPAN_BYTES;
     let numbers = u32::try_from((tables[0].len() - data) / 8).expect("few numbers");
-    let mut bytes = header_to_le_bytes(3, 3, 3 * numbers).to_vec();
+    let mut bytes = table_header(3, 3, 3 * numbers).to_vec();
     for (index, one) in (0_u32..).zip(&tables) {
         let mut record = one[body..span].to_vec();
         record[8..12].copy_from_slice(&index.to_le_bytes());

@@ -149,7 +149,7 @@ probes! {
 
     body_record_from_le_bytes(record: [u8; BODY_BYTES]) -> Option<BodyRecord> { BodyRecord::from_le_bytes(&record) }
     body_record_to_le_bytes(record: BodyRecord) -> [u8; BODY_BYTES] { record.to_le_bytes() }
-    header_to_le_bytes(bodies: u32, spans: u32, coefficients: u32) -> [u8; HEADER_BYTES] { ephemeris::header_to_le_bytes(bodies, spans, coefficients) }
+    table_header(bodies: u32, spans: u32, coefficients: u32) -> [u8; HEADER_BYTES] { ephemeris::table_header(bodies, spans, coefficients) }
     motion_bounds_and(a: MotionBounds, b: MotionBounds) -> MotionBounds { a.and(&b) }
     span_from_le_bytes(record: [u8; SPAN_BYTES]) -> Option<Span> { Span::from_le_bytes(&record) }
     span_to_le_bytes(span: Span) -> [u8; SPAN_BYTES] { span.to_le_bytes() }
