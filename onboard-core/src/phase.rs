@@ -56,7 +56,8 @@ impl Phase {
         Self(bits_from_i64(i64_from_f64(fraction * 9_223_372_036_854_775_808.0)).wrapping_shl(1))
     }
 
-    /// The angle in radians, in [-pi, pi).
+    /// The angle in radians, in [-pi, pi]; pi only where an f64 cannot tell it from the last binary
+    /// step.
     #[must_use]
     pub const fn radians(self) -> f64 {
         f64_from_i64(signed_from_u64(self.0)) * RADIANS_PER_BIT
@@ -204,6 +205,20 @@ mod tests {
         assert!((sin - 1.0).abs() < 1e-15 && cos.abs() < 1e-15);
         assert!((rate.radians_per_second() - TAU / 1200.0).abs() < 1e-18);
         assert!((rate.reversed().radians_per_second() + TAU / 1200.0).abs() < 1e-18);
+    }
+
+    #[test]
+    fn the_last_binary_steps_round_up_to_the_ends() {
+        use core::f64::consts::PI;
+        let radians = |bits: u64| Phase::from_bits(bits).radians().to_bits();
+        assert_eq!(radians(1 << 63), (-PI).to_bits());
+        assert_eq!(radians((1 << 63) - 1), PI.to_bits());
+        // Half an ulp of 2^63 below, and an ulp.
+        assert_eq!(radians((1 << 63) - 512), PI.to_bits());
+        assert!(Phase::from_bits((1 << 63) - 1_024).radians() < PI);
+        let turns = |bits: u64| Phase::from_bits(bits).turns().to_bits();
+        assert_eq!(turns(u64::MAX), 1.0_f64.to_bits());
+        assert!(Phase::from_bits(u64::MAX - 2_048).turns() < 1.0);
     }
 
     #[test]

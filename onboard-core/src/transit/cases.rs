@@ -7,6 +7,7 @@
 use super::rates::Rates;
 use super::reach::Reach;
 use super::sight::{Motion, Seen, Sight};
+use crate::convert::f64_from_u64;
 use crate::direction::{Direction, DirectionState};
 use crate::field_of_view::FieldOfView;
 use crate::frame::{Boresight, Telescope};
@@ -36,7 +37,7 @@ pub(super) fn noise(index: u64) -> f64 {
     let mut z = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (((z ^ (z >> 31)) >> 32) as f64) / 4_294_967_296.0
+    f64_from_u64((z ^ (z >> 31)) >> 32) / 4_294_967_296.0
 }
 
 /// Angle between two unit vectors.
@@ -80,7 +81,7 @@ impl Case {
             tilt
         ));
         let size = libm::pow(10.0, -2.5 * number(11));
-        let field = if index % 3 == 0 {
+        let field = if index.is_multiple_of(3) {
             FieldOfView::circle(frame, 0.7 * size).unwrap()
         } else {
             let sides = FieldOfView::rectangle(frame, size, (0.1 + number(12)) * size).unwrap();
