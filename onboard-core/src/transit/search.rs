@@ -201,9 +201,10 @@ impl Search {
         let was_inside = matches!(self.state.stage, Stage::Inside(_));
         let crossing = self.state.previous.and_then(|before| match (was_inside, inside) {
             (false, true) => {
-                // It was outside at the previous instant.
-                let first = before.at.plus(Duration::from_ns(1));
-                Some(back(at, self.reach.since_entry(&sight), first))
+                let seconds = self.reach.since_entry(&sight);
+                // Outside a ns ago and inside for longer, as from here it seems: it jumped in.
+                let jumped = at.since(before.at).ns() == 1 && seconds > 1.5e-9;
+                Some(if jumped { at } else { back(at, seconds, before.at) })
             }
             (true, false) => Some(back(at, self.reach.since_exit(&sight), before.at)),
             _ => None,
