@@ -55,10 +55,7 @@ impl<'c, 'a, 'm> Forecast<'c, 'a, 'm> {
     #[must_use]
     pub fn new(channels: &'c mut [Channel<'a>], next: &'m mut [Option<NextVisit>]) -> Self {
         next.fill(None);
-        let mut finder = TransitFinder::new(channels);
-        for index in next.len()..finder.channels().len() {
-            finder.retire(index);
-        }
+        let finder = TransitFinder::of_first(channels, next.len());
         Self { finder, next, waiting: None }
     }
 

@@ -52,7 +52,8 @@ impl BodyRecord {
     }
 }
 
-/// Bounds of three f64; `None` where one is negative or not finite.
+/// Bounds of three f64 at `offset`; `None` where one is negative or not finite.
+#[inline(never)]
 fn bounds_at(record: &[u8], offset: usize) -> Option<MotionBounds> {
     let bound = |index: usize| {
         let value = f64_at(record, offset.wrapping_add(index.wrapping_mul(8)))?;
@@ -65,6 +66,7 @@ fn bounds_at(record: &[u8], offset: usize) -> Option<MotionBounds> {
     })
 }
 
+#[inline(never)]
 fn put_bounds(record: &mut [u8], offset: usize, bounds: &MotionBounds) {
     let mut at = offset;
     for bound in [bounds.rate_rad_s, bounds.acceleration_per_s2, bounds.max_abs_z] {

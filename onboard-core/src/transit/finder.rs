@@ -40,8 +40,16 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
     /// A search over all of these channels; their order breaks ties.
     #[must_use]
     pub fn new(channels: &'c mut [Channel<'a>]) -> Self {
+        Self::of_first(channels, usize::MAX)
+    }
+
+    /// A search over the first `count` of these channels; the others are not wanted.
+    #[inline(never)]
+    pub(crate) fn of_first(channels: &'c mut [Channel<'a>], count: usize) -> Self {
+        let mut left = count;
         for channel in channels.iter_mut() {
-            channel.set_part(Part::Active);
+            channel.set_part(if left > 0 { Part::Active } else { Part::Retired });
+            left = left.saturating_sub(1);
         }
         Self { channels, seen: Seen::NOTHING }
     }
@@ -98,6 +106,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
     }
 
     /// Searches this channel no more.
+    #[inline(never)]
     pub(crate) fn retire(&mut self, channel: usize) {
         if let Some(channel) = self.channels.get_mut(channel) {
             channel.set_part(Part::Retired);
@@ -106,6 +115,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
 
     /// Takes back a transit handed out just before, whose channel could not be evaluated for it: it
     /// is handed out again once all other channels are done.
+    #[inline(never)]
     pub(crate) fn take_back(&mut self, transit: Transit) {
         if let Some(channel) = self.channels.get_mut(transit.channel) {
             channel.take_back(transit);

@@ -294,6 +294,7 @@ impl Search {
     }
 
     /// The one place where the search evaluates, so that the count is whole.
+    #[inline(never)]
     fn see(
         &mut self,
         at: Instant,
@@ -331,6 +332,7 @@ impl Search {
         Approach { at, closeness, rate }
     }
 
+    #[inline(never)]
     fn move_on(&mut self, seen: &Certificate) {
         let whole_ns = Duration::from_seconds_floor(seen.stays_s).ns();
         let next = seen.now.at.plus(Duration::from_ns(whole_ns.max(1)));
@@ -338,6 +340,7 @@ impl Search {
         self.state.previous = Some(seen.now);
     }
 
+    #[inline(never)]
     fn finish(&mut self, visit: Visit, best: Approach, exit: Instant, exit_clipped: bool) {
         let last = if best.at < exit { best.at } else { exit };
         self.state.stage = Stage::Found(Transit {
