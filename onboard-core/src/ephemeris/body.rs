@@ -9,7 +9,7 @@ use crate::bytes::{f64_at, i64_at, u16_at, u32_at, u64_at};
 use crate::convert::{f64_from_u64, index_from_u32, index_from_u64, u32_from_f64};
 use crate::direction::{Direction, DirectionState, MotionBounds};
 use crate::frame::Ecliptic;
-use crate::time::{Duration, Instant};
+use crate::time::Instant;
 use nalgebra::Vector3;
 
 /// Bytes of one order's three coefficients.
@@ -80,12 +80,13 @@ impl BodyTable<'_> {
         let first = index_from_u32(u32_at(record, 12)?.checked_div(3)?)
             .checked_add(index_from_u64(granule).checked_mul(orders)?)?;
         let orders = self.data.get(first..first.checked_add(orders)?)?;
-        let rest_ns = i64::try_from(length_ns.wrapping_sub(within)).unwrap_or(i64::MAX);
         Some(Series {
             orders,
             x: 2.0 * (f64_from_u64(within) / length) - 1.0,
             length,
-            end: at.plus(Duration::from_ns(rest_ns)),
+            end: Instant::from_tai_ns(
+                at.tai_ns().saturating_add_unsigned(length_ns.wrapping_sub(within)),
+            ),
         })
     }
 

@@ -53,6 +53,7 @@ pub use record::{BODY_BYTES, BodyRecord, MAX_COEFFICIENTS, SPAN_BYTES, Span};
 use crate::bytes::{i32_at, u32_at};
 use crate::convert::index_from_u32;
 use crate::direction::MotionBounds;
+use crate::time::Instant;
 use body::ORDER_BYTES;
 
 /// Body number of the geometric Sun-to-spacecraft direction (NAIF's number of the Sun).
@@ -73,11 +74,9 @@ pub struct EphemerisTable<'a> {
 /// The header of a table with so many bodies, spans and f64 coefficients.
 #[must_use]
 pub fn table_header(bodies: u32, spans: u32, coefficients: u32) -> [u8; HEADER_BYTES] {
-    let mut header = [0; HEADER_BYTES];
-    crate::bytes::put(&mut header, 0, bodies.to_le_bytes());
-    crate::bytes::put(&mut header, 4, spans.to_le_bytes());
-    crate::bytes::put(&mut header, 8, coefficients.to_le_bytes());
-    header
+    let counts = [bodies, spans, coefficients].map(u128::from);
+    let [bodies, spans, coefficients] = counts;
+    (bodies | spans << 32_u32 | coefficients << 64_u32).to_le_bytes()
 }
 
 impl<'a> EphemerisTable<'a> {
@@ -104,8 +103,7 @@ impl<'a> EphemerisTable<'a> {
             spans: spans.as_chunks::<SPAN_BYTES>().0,
             data,
         };
-        table.check_spans(numbers)?;
-        table.check_bodies()?;
+        table.check_bodies(numbers)?;
         let mut index = 0_u32;
         for number in data.as_chunks::<8>().0 {
             if !f64::from_le_bytes(*number).is_finite() {
@@ -116,60 +114,29 @@ impl<'a> EphemerisTable<'a> {
         Ok(table)
     }
 
-    /// Bodies are ordered, each has the spans of its number, and the largest of their bounds.
+    /// Bodies are ordered, and each has the spans of its number and the largest of their bounds.
     #[inline(never)]
-    fn check_bodies(self) -> Result<(), EphemerisError> {
+    fn check_bodies(self, numbers: u32) -> Result<(), EphemerisError> {
         let (mut index, mut first) = (0_u32, 0_u32);
         let mut spans = self.spans;
+        let mut before: Option<i32> = None;
         for record in self.bodies {
             let bad = EphemerisError::BadBody(index);
             let body = BodyRecord::from_le_bytes(record).ok_or(bad)?;
             let (own, others) = spans.split_at_checked(index_from_u32(body.spans)).ok_or(bad)?;
-            // Spans are ordered by body: with the next body's number another one, bodies are, too.
-            let next = others.first().and_then(|span| i32_at(span, 0));
-            let of_body = own.iter().all(|span| i32_at(span, 0) == Some(body.body));
-            if body.first != first
-                || !of_body
-                || next == Some(body.body)
-                || largest(own) != body.bounds
-            {
+            if body.first != first || before.is_some_and(|before| before >= body.body) {
+                return Err(bad);
+            }
+            if check_spans(own, &body, numbers)? != body.bounds {
                 return Err(bad);
             }
             first = first.wrapping_add(body.spans);
+            before = Some(body.body);
             spans = others;
             index = index.wrapping_add(1);
         }
         // No span is left over.
         if spans.is_empty() { Ok(()) } else { Err(EphemerisError::BadBody(index)) }
-    }
-
-    /// Spans are legal, lie inside the data, and are ordered by body and time without overlap.
-    fn check_spans(self, numbers: u32) -> Result<(), EphemerisError> {
-        let mut previous: Option<Span> = None;
-        let mut index = 0_u32;
-        for record in self.spans {
-            let bad = EphemerisError::BadSpan(index);
-            let span = Span::from_le_bytes(record).ok_or(bad)?;
-            let size = u32::from(span.coefficients)
-                .checked_mul(3)
-                .and_then(|granule| granule.checked_mul(span.granules))
-                .and_then(|size| size.checked_add(span.first))
-                .ok_or(bad)?;
-            if size > numbers || span.first % 3 != 0 {
-                return Err(bad);
-            }
-            if let Some(before) = previous {
-                let after = before.body < span.body
-                    || (before.body == span.body
-                        && before.end().is_some_and(|end| end <= span.start));
-                if !after {
-                    return Err(bad);
-                }
-            }
-            previous = Some(span);
-            index = index.wrapping_add(1);
-        }
-        Ok(())
     }
 
     /// The spans, by body, then start.
@@ -203,19 +170,40 @@ impl<'a> EphemerisTable<'a> {
     }
 }
 
-/// The largest of the spans' bounds, in each field.
-fn largest(spans: &[[u8; SPAN_BYTES]]) -> MotionBounds {
-    spans
-        .iter()
-        .filter_map(Span::from_le_bytes)
-        .fold(MotionBounds::NONE, |largest, span| largest.and(&span.bounds))
+/// The largest of the bounds of a body's spans, which must be legal, of its number, inside the data,
+/// and ordered without overlap.
+#[inline(never)]
+fn check_spans(
+    own: &[[u8; SPAN_BYTES]],
+    body: &BodyRecord,
+    numbers: u32,
+) -> Result<MotionBounds, EphemerisError> {
+    let mut largest = MotionBounds::NONE;
+    let mut end: Option<Instant> = None;
+    let mut index = body.first;
+    for record in own {
+        let bad = EphemerisError::BadSpan(index);
+        let span = Span::from_le_bytes(record).ok_or(bad)?;
+        let size = u32::from(span.coefficients)
+            .checked_mul(3)
+            .and_then(|granule| granule.checked_mul(span.granules))
+            .and_then(|size| size.checked_add(span.first))
+            .ok_or(bad)?;
+        let overlaps = end.is_some_and(|end| span.start < end);
+        if size > numbers || span.first % 3 != 0 || span.body != body.body || overlaps {
+            return Err(bad);
+        }
+        end = span.end();
+        largest = largest.and(&span.bounds);
+        index = index.wrapping_add(1);
+    }
+    Ok(largest)
 }
 
 #[cfg(test)]
 mod tests {
     extern crate std;
     use super::*;
-    use crate::time::Instant;
     use core::num::NonZeroU64;
     use proptest::prelude::*;
     use std::vec::Vec;
@@ -352,11 +340,12 @@ mod tests {
         };
         let bad = EphemerisError::BadBody;
         // Number, spans too few, too many, none; first span; zero field; each bound below and above.
-        assert_eq!(with(0, 0, &3_i32.to_le_bytes()), bad(0));
-        assert_eq!(with(0, 4, &2_u32.to_le_bytes()), bad(0));
-        assert_eq!(with(1, 4, &2_u32.to_le_bytes()), bad(1));
+        assert_eq!(with(0, 0, &3_i32.to_le_bytes()), EphemerisError::BadSpan(0));
+        assert_eq!(with(1, 0, &4_i32.to_le_bytes()), bad(1));
+        assert_eq!(with(0, 4, &2_u32.to_le_bytes()), bad(1));
+        assert_eq!(with(1, 4, &2_u32.to_le_bytes()), EphemerisError::BadSpan(4));
         assert_eq!(with(2, 4, &0_u32.to_le_bytes()), bad(2));
-        assert_eq!(with(2, 4, &1_u32.to_le_bytes()), bad(2));
+        assert_eq!(with(2, 4, &1_u32.to_le_bytes()), bad(3));
         assert_eq!(with(2, 4, &3_u32.to_le_bytes()), bad(2));
         assert_eq!(with(1, 8, &2_u32.to_le_bytes()), bad(1));
         assert_eq!(with(1, 12, &1_u32.to_le_bytes()), bad(1));
@@ -398,6 +387,6 @@ mod tests {
         let meeting = table_of(&[&[span(4, 0, 1e-6), span(4, 2_000_000_000_000, 1e-6)]]);
         assert!(EphemerisTable::parse(&meeting).is_ok());
         let reversed = table_of(&[&[span(5, 0, 1e-6)], &[span(4, 0, 1e-6)]]);
-        assert_eq!(EphemerisTable::parse(&reversed).unwrap_err(), EphemerisError::BadSpan(1));
+        assert_eq!(EphemerisTable::parse(&reversed).unwrap_err(), EphemerisError::BadBody(1));
     }
 }

@@ -1,6 +1,6 @@
 //! The records of an ephemeris table: of a body, and of a span.
 
-use crate::bytes::{f64_at, i32_at, i64_at, put, u16_at, u32_at, u64_at};
+use crate::bytes::{field, i32_at, i64_at, put, u16_at, u32_at, u64_at};
 use crate::direction::MotionBounds;
 use crate::time::Instant;
 use core::num::NonZeroU64;
@@ -55,18 +55,20 @@ impl BodyRecord {
 /// Bounds of three f64 at `offset`; `None` where one is negative or not finite.
 #[inline(never)]
 fn bounds_at(record: &[u8], offset: usize) -> Option<MotionBounds> {
-    let bound = |index: usize| {
-        let value = f64_at(record, offset.wrapping_add(index.wrapping_mul(8)))?;
-        (value.is_finite() && value >= 0.0).then_some(value)
+    let fields: [u8; 24] = field(record, offset)?;
+    let [rate_rad_s, acceleration_per_s2, max_abs_z] = fields.as_chunks::<8>().0 else {
+        return None;
     };
-    Some(MotionBounds {
-        rate_rad_s: bound(0)?,
-        acceleration_per_s2: bound(1)?,
-        max_abs_z: bound(2)?,
+    let [rate_rad_s, acceleration_per_s2, max_abs_z] =
+        [rate_rad_s, acceleration_per_s2, max_abs_z].map(|bytes| f64::from_le_bytes(*bytes));
+    let legal = |bound: f64| bound >= 0.0 && bound < f64::INFINITY;
+    (legal(rate_rad_s) && legal(acceleration_per_s2) && legal(max_abs_z)).then_some(MotionBounds {
+        rate_rad_s,
+        acceleration_per_s2,
+        max_abs_z,
     })
 }
 
-#[inline(never)]
 fn put_bounds(record: &mut [u8], offset: usize, bounds: &MotionBounds) {
     let mut at = offset;
     for bound in [bounds.rate_rad_s, bounds.acceleration_per_s2, bounds.max_abs_z] {

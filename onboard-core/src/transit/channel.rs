@@ -19,8 +19,8 @@ pub struct Channel<'a> {
     part: Part,
 }
 
-/// How a finder treats a channel; not part of the state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How a finder treats a channel, in the order in which it turns to them; not part of the state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Part {
     /// Searched in turn.
     Active,
@@ -74,6 +74,7 @@ impl<'a> Channel<'a> {
         self.part
     }
 
+    #[inline(never)]
     pub(super) const fn set_part(&mut self, part: Part) {
         self.part = part;
     }

@@ -68,8 +68,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
     /// At most [`MAX_EVALUATIONS_PER_STEP`](super::MAX_EVALUATIONS_PER_STEP) evaluations.
     #[inline(never)]
     pub fn step(&mut self) -> Step {
-        let next = self.next(Part::Active).or_else(|| self.next(Part::Failed));
-        let Some((frontier, index)) = next else { return Step::Done };
+        let Some((frontier, index)) = self.next() else { return Step::Done };
         let Some(channel) = self.channels.get_mut(index) else { return Step::Done };
         if let Some(transit) = channel.take() {
             return Step::Transit(Transit { channel: index, ..transit });
@@ -83,26 +82,26 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
         }
     }
 
-    /// Frontier and index of the channel to go on with, of those that play this part.
+    /// Frontier and index of the channel to go on with; one that failed only where no other is left.
     ///
     /// Earliest frontier first; at a tie a channel that may still find something goes before one that
     /// waits with a transit, so that equal entries come out in channel order.
     #[inline(never)]
-    fn next(&self, part: Part) -> Option<(Instant, usize)> {
-        let mut next: Option<(Instant, bool, usize)> = None;
+    fn next(&self) -> Option<(Instant, usize)> {
+        let mut next = None;
+        let mut first = (Part::Retired, Instant::from_tai_ns(i64::MAX), true);
         let mut index = 0_usize;
         for channel in self.channels.iter() {
-            if channel.part() == part
-                && let Some(frontier) = channel.frontier()
-            {
-                let key = (frontier, channel.has_found(), index);
-                if next.is_none_or(|first| key < first) {
-                    next = Some(key);
+            if let Some(frontier) = channel.frontier() {
+                let key = (channel.part(), frontier, channel.has_found());
+                if key < first {
+                    first = key;
+                    next = Some((frontier, index));
                 }
             }
             index = index.wrapping_add(1);
         }
-        next.map(|(frontier, _, index)| (frontier, index))
+        if first.0 == Part::Retired { None } else { next }
     }
 
     /// Searches this channel no more.

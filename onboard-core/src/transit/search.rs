@@ -144,6 +144,7 @@ impl Search {
     /// No transit that is still to come from this channel begins before this instant.
     ///
     /// An entry seen at the next instant may be corrected back ([`earliest`]).
+    #[inline(never)]
     pub(crate) const fn frontier(&self) -> Option<Instant> {
         match self.state.stage {
             Stage::Outside => Some(match self.state.previous {
@@ -437,6 +438,7 @@ const fn earliest(at: Instant, certified: Instant) -> Instant {
 
 /// `seconds` before `at`, but neither beyond the longest correction nor before `certified`, up to
 /// which no crossing was possible.
+#[inline(never)]
 fn back(at: Instant, seconds: f64, certified: Instant) -> Instant {
     if seconds > Duration::from_ns(LONGEST_CORRECTION_NS).seconds() {
         return at;
