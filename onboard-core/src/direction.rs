@@ -146,6 +146,7 @@ impl MotionBounds {
 
     /// Bounds that hold for both motions: the larger of each two.
     #[must_use]
+    #[inline(never)]
     pub fn and(&self, other: &Self) -> Self {
         Self {
             rate_rad_s: libm::fmax(self.rate_rad_s, other.rate_rad_s),

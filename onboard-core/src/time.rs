@@ -65,6 +65,7 @@ impl Duration {
 
     /// The span nearest to `seconds`; saturates, and NaN gives zero.
     #[must_use]
+    #[cfg_attr(target_os = "none", inline(never))] // Rounding is long in software.
     pub fn from_seconds(seconds: f64) -> Self {
         Self(i64_from_f64(libm::round(seconds * 1e9)))
     }

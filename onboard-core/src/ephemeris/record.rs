@@ -1,6 +1,6 @@
 //! The records of an ephemeris table: of a body, and of a span.
 
-use crate::bytes::{field, i32_at, i64_at, put, u16_at, u32_at, u64_at};
+use crate::bytes::{f64_at, i32_at, i64_at, put, u16_at, u32_at, u64_at};
 use crate::direction::MotionBounds;
 use crate::time::Instant;
 use core::num::NonZeroU64;
@@ -53,20 +53,17 @@ impl BodyRecord {
 }
 
 /// Bounds of three f64 at `offset`; `None` where one is negative or not finite.
-#[inline(never)]
 fn bounds_at(record: &[u8], offset: usize) -> Option<MotionBounds> {
-    let fields: [u8; 24] = field(record, offset)?;
-    let [rate_rad_s, acceleration_per_s2, max_abs_z] = fields.as_chunks::<8>().0 else {
-        return None;
-    };
-    let [rate_rad_s, acceleration_per_s2, max_abs_z] =
-        [rate_rad_s, acceleration_per_s2, max_abs_z].map(|bytes| f64::from_le_bytes(*bytes));
-    let legal = |bound: f64| bound >= 0.0 && bound < f64::INFINITY;
-    (legal(rate_rad_s) && legal(acceleration_per_s2) && legal(max_abs_z)).then_some(MotionBounds {
-        rate_rad_s,
-        acceleration_per_s2,
-        max_abs_z,
+    Some(MotionBounds {
+        rate_rad_s: bound_at(record, offset)?,
+        acceleration_per_s2: bound_at(record, offset.wrapping_add(8))?,
+        max_abs_z: bound_at(record, offset.wrapping_add(16))?,
     })
+}
+
+#[inline(never)]
+fn bound_at(record: &[u8], offset: usize) -> Option<f64> {
+    f64_at(record, offset).filter(|bound| *bound >= 0.0 && *bound < f64::INFINITY)
 }
 
 fn put_bounds(record: &mut [u8], offset: usize, bounds: &MotionBounds) {

@@ -49,11 +49,7 @@ impl PrecessionGate {
             libm::fmin(TAU / libm::fabs(motion.precession), libm::fmin(widest / rate, f64::MAX));
         for (horizon, share) in self.0.iter_mut().zip([1.0, 8.0, 64.0]) {
             let seconds = longest / share;
-            let margin = rate * seconds + ROUNDING;
-            let (near, far) = (beta - reach - margin, beta + reach + margin);
-            horizon.seconds = seconds;
-            horizon.cos_far = if far >= PI { -2.0 } else { trigonometry::cos(far) - ROUNDING };
-            horizon.cos_near = if near <= 0.0 { 2.0 } else { trigonometry::cos(near) + ROUNDING };
+            horizon.set(seconds, (beta, reach), rate * seconds + ROUNDING);
         }
     }
 
@@ -77,6 +73,15 @@ impl PrecessionGate {
 }
 
 impl Horizon {
+    /// Not inlined three times over.
+    #[inline(never)]
+    fn set(&mut self, seconds: f64, (beta, reach): (f64, f64), margin: f64) {
+        let (near, far) = (beta - reach - margin, beta + reach + margin);
+        self.seconds = seconds;
+        self.cos_far = if far >= PI { -2.0 } else { trigonometry::cos(far) - ROUNDING };
+        self.cos_near = if near <= 0.0 { 2.0 } else { trigonometry::cos(near) + ROUNDING };
+    }
+
     fn seconds_from(&self, motion: &Motion, sight: &Sight, from: f64) -> f64 {
         let mean = motion.cos_alpha * sight.cos_gamma;
         let swing = motion.sin_alpha * sight.sin_gamma;
