@@ -148,10 +148,11 @@ impl MotionBounds {
     #[must_use]
     #[inline(never)]
     pub fn and(&self, other: &Self) -> Self {
+        let larger = |a: f64, b: f64| if b > a { b } else { a };
         Self {
-            rate_rad_s: libm::fmax(self.rate_rad_s, other.rate_rad_s),
-            acceleration_per_s2: libm::fmax(self.acceleration_per_s2, other.acceleration_per_s2),
-            max_abs_z: libm::fmax(self.max_abs_z, other.max_abs_z),
+            rate_rad_s: larger(self.rate_rad_s, other.rate_rad_s),
+            acceleration_per_s2: larger(self.acceleration_per_s2, other.acceleration_per_s2),
+            max_abs_z: larger(self.max_abs_z, other.max_abs_z),
         }
     }
 }

@@ -56,7 +56,7 @@ impl BodyTable<'_> {
     }
 
     /// The series that holds `at`, and where `at` lies in it.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn series(&self, at: Instant) -> Option<Series<'_>> {
         // The last span that starts at or before `at`; its far end is inclusive.
         let after = self
@@ -90,7 +90,7 @@ impl BodyTable<'_> {
         })
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn evaluate(self, at: Instant) -> Option<(DirectionState<Ecliptic>, Instant)> {
         let series = self.series(at)?;
         let (value, slope) = chebyshev(series.orders, series.x);
@@ -109,7 +109,7 @@ impl BodyTable<'_> {
 
     /// First and last instant of the body's spans; a gap between spans is not seen here.
     #[must_use]
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub fn coverage(self) -> Option<(Instant, Instant)> {
         let first = Span::from_le_bytes(self.spans.first()?)?;
         let last = Span::from_le_bytes(self.spans.last()?)?;
@@ -120,7 +120,7 @@ impl BodyTable<'_> {
     /// [`EphemerisTable::parse`](super::EphemerisTable::parse) has checked: no span is read. Where one
     /// span or granule follows another, direction and rate may jump, which they do not bound.
     #[must_use]
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub fn bounds(self) -> MotionBounds {
         let bound = |offset| f64_at(self.record, offset).unwrap_or(f64::INFINITY);
         MotionBounds { rate_rad_s: bound(16), acceleration_per_s2: bound(24), max_abs_z: bound(32) }
@@ -172,7 +172,7 @@ fn chebyshev_value(series: &[[u8; ORDER_BYTES]], x: f64) -> Vector3<f64> {
 }
 
 /// `sum_k c_k T_k(x)` and its derivative `sum_k c_k k U_{k-1}(x)`, by the recurrences of both kinds.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 fn chebyshev(series: &[[u8; ORDER_BYTES]], x: f64) -> (Vector3<f64>, Vector3<f64>) {
     let zero = Vector3::new(0.0, 0.0, 0.0);
     let Some((constant, higher)) = series.split_first() else { return (zero, zero) };

@@ -58,13 +58,14 @@ pub(super) struct Enlarged {
 
 impl Cap {
     /// A side of a rectangle, by the pole of its great circle.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn side(axis: Vector3<f64>) -> Self {
         let sin_beta = libm::hypot(axis.x, axis.y);
         Self { axis, sin_beta, versine: 1.0, tolerance: tolerance(FRAC_PI_2) }
     }
 
     /// f = cos(separation) - cos r, and its derivative.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn depth(&self, sight: &Sight) -> (f64, f64) {
         let (closeness, rate) = closeness(&self.axis, sight);
         (self.versine + closeness, rate)
@@ -134,7 +135,7 @@ impl Enlarged {
 }
 
 /// Seconds back to f = 0 where f' has the sign given; 0 or infinity where Newton cannot tell.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn newton((depth, rate): (f64, f64), sense: f64) -> f64 {
     if rate * sense > 0.0 {
         libm::fmax(depth / rate, 0.0)
@@ -156,7 +157,7 @@ pub(super) fn squared(v: &Vector3<f64>) -> f64 {
 }
 
 /// `e . w - 1` from the chord, so that small separations keep their digits, and its derivative.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn closeness(axis: &Vector3<f64>, sight: &Sight) -> (f64, f64) {
     let chord = axis - sight.direction;
     let squared = chord.x * chord.x + chord.y * chord.y + chord.z * chord.z;
@@ -176,7 +177,7 @@ pub(super) fn tolerance(radius: f64) -> f64 {
 }
 
 /// Seconds h up to which `f + f' h + M h^2/2` stays below `tolerance`, for f <= 0.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn crossing_free(f: f64, rate: f64, curvature: f64, tolerance: f64) -> f64 {
     let missing = tolerance - f;
     let root = libm::sqrt(rate * rate + 2.0 * curvature * missing);

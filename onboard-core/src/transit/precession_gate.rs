@@ -42,7 +42,7 @@ impl PrecessionGate {
 
     /// For a field within `reach` of its centre, which lies at `beta` from the spin axis, and a target
     /// that moves at `rate` rad/s at most; in place, to spare the stack.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn set(&mut self, motion: &Motion, (beta, reach): (f64, f64), rate: f64) {
         let widest = libm::fmax(reach, LONGEST_MARGIN_RAD);
         let longest =
@@ -74,7 +74,7 @@ impl PrecessionGate {
 
 impl Horizon {
     /// Not inlined three times over.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn set(&mut self, seconds: f64, (beta, reach): (f64, f64), margin: f64) {
         let (near, far) = (beta - reach - margin, beta + reach + margin);
         self.seconds = seconds;

@@ -53,7 +53,7 @@ impl Rates {
     }
 
     /// Bound on |f''| for a point at `sin_beta` from the spin axis, over the longest step.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn curvature(&self, motion: &Motion, sight: &Sight, sin_beta: f64) -> f64 {
         let (a, b) = (libm::fabs(motion.precession), libm::fabs(motion.spin));
         let sin_gamma = libm::fmin(sight.sin_gamma + self.target.rate * self.longest_step_s, 1.0);

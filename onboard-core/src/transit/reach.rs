@@ -60,7 +60,7 @@ impl Reach {
     };
 
     /// Takes up a field of view, in place.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn set(&mut self, motion: &Motion, field: &FieldOfView, bounds: RelativeBounds) {
         self.rates = Rates::new(motion, bounds);
         self.centre = motion.scan.boresight_in_spin().rotate(field.centre().vector());
@@ -74,7 +74,7 @@ impl Reach {
         self.set_edge(motion, field);
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn set_gates(&mut self, motion: &Motion, reach: f64) {
         let sin_beta = libm::hypot(self.centre.x, self.centre.y);
         let beta = libm::atan2(sin_beta, self.centre.z);
@@ -93,7 +93,7 @@ impl Reach {
         }
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn circle(&self, reach: f64) -> Cap {
         Cap {
             axis: self.centre,
@@ -103,14 +103,14 @@ impl Reach {
         }
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn set_sides(&mut self, motion: &Motion, field: &FieldOfView) {
         let Caps::Rectangle(poles) = field.caps() else { return };
         let into_spin = motion.scan.boresight_in_spin();
         self.edge = Edge::Rectangle(poles.map(|pole| Cap::side(into_spin.rotate(pole))));
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn set_enlarged(&mut self, motion: &Motion, field: &FieldOfView) {
         let Some(rectangle) = field.rectangle_axes() else { return };
         let (reach, margin) = (field.reach_rad(), field.margin_rad());
@@ -155,14 +155,14 @@ impl Reach {
 
     /// Separation in radians for a closeness: from the centre, of an enlarged field from the field
     /// as it was.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn separation_rad(&self, closeness: f64) -> f64 {
         let chord = libm::sqrt(libm::fmax(-0.5 * closeness, 0.0));
         libm::fmax(2.0 * libm::asin(libm::fmin(chord, 1.0)) - self.core_rad, 0.0)
     }
 
     /// Largest second derivative of the closeness near the sight.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn closeness_curvature(&self, motion: &Motion, sight: &Sight) -> f64 {
         let sin_beta = match &self.edge {
             Edge::Enlarged(enlarged) => enlarged.sin_beta,
@@ -172,7 +172,7 @@ impl Reach {
     }
 
     /// Whether the target is inside.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn inside(&self, sight: &Sight) -> bool {
         match &self.edge {
             Edge::Enlarged(enlarged) => enlarged.depth(sight).0 >= 0.0,
@@ -181,7 +181,7 @@ impl Reach {
     }
 
     /// Seconds back from a sight just inside to the entry, by one Newton step.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn since_entry(&self, sight: &Sight) -> f64 {
         if let Edge::Enlarged(enlarged) = &self.edge {
             return newton(enlarged.depth(sight), 1.0);
@@ -192,7 +192,7 @@ impl Reach {
     }
 
     /// Seconds back from a sight just outside to the exit, by one Newton step.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn since_exit(&self, sight: &Sight) -> f64 {
         if let Edge::Enlarged(enlarged) = &self.edge {
             return newton(enlarged.depth(sight), -1.0);
@@ -250,7 +250,7 @@ impl Reach {
     }
 
     /// Seconds without an exit, from a sight that is inside.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn stays_inside(&self, motion: &Motion, sight: &Sight) -> f64 {
         let holds = |(depth, rate): (f64, f64), sin_beta: f64, tolerance: f64| {
             crossing_free(
@@ -271,7 +271,7 @@ impl Reach {
     }
 
     /// Seconds without an entry, from a sight that is outside.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn stays_outside(&self, motion: &Motion, sight: &Sight) -> f64 {
         let seconds = self.anti_sun.seconds(sight, self.rates.target.rate);
         if seconds > 0.0 {
@@ -295,7 +295,7 @@ impl Reach {
     }
 
     /// Seconds without an entry by the bound on f''.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn approach(&self, motion: &Motion, sight: &Sight) -> f64 {
         if let Edge::Enlarged(enlarged) = &self.edge {
             let curvature = self.rates.curvature(motion, sight, enlarged.sin_beta);

@@ -111,7 +111,7 @@ impl Search {
     }
 
     /// Becomes a search from `start` to `end`, both included; in place, to spare the stack.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn set(
         &mut self,
         scan: &ScanStrategy,
@@ -144,7 +144,7 @@ impl Search {
     /// No transit that is still to come from this channel begins before this instant.
     ///
     /// An entry seen at the next instant may be corrected back ([`earliest`]).
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) const fn frontier(&self) -> Option<Instant> {
         match self.state.stage {
             Stage::Outside => Some(match self.state.previous {
@@ -178,7 +178,7 @@ impl Search {
     ///
     /// In three parts, so that no frame of one lies below the evaluations of another; `seen` is
     /// their working memory, lent for the same reason.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn advance(
         &mut self,
         lookup: &Lookup<'_, '_>,
@@ -193,7 +193,7 @@ impl Search {
     }
 
     /// What follows, in this stage, from what is seen.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn certify(&self, at: Instant, seen: &Seen) -> Certificate {
         let sight = Sight::new(&self.motion, seen);
         let (closeness, rate) = self.reach.closeness(&sight);
@@ -220,7 +220,7 @@ impl Search {
     }
 
     /// The visit that the evaluation finds in progress, before any summit is known.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn visit(&self, seen: &Certificate) -> Option<Visit> {
         match self.state.stage {
             Stage::Inside(visit) => Some(visit),
@@ -236,7 +236,7 @@ impl Search {
     /// The entry or exit since the previous evaluation, where the closest approach may lie there: in
     /// a rectangle the target may come closer to the centre up to an exit, or go away from an entry
     /// on. Elsewhere an edge is the farthest part of a transit.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn closest_at_the_edge(&self, seen: &Certificate) -> Option<Instant> {
         let (crossing, before) = (seen.crossing?, self.state.previous?);
         let closer = if seen.inside {
@@ -260,7 +260,7 @@ impl Search {
     }
 
     /// Moves the state on by what was seen.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn conclude(&mut self, seen: &Certificate, summit: Option<Approach>) {
         let now = seen.now;
         let Some(mut visit) = self.visit(seen) else {
@@ -295,7 +295,7 @@ impl Search {
     }
 
     /// The one place where the search evaluates, so that the count is whole.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn see(
         &mut self,
         at: Instant,
@@ -307,7 +307,7 @@ impl Search {
     }
 
     /// The target at any instant; not counted.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn sight_at(
         &self,
         at: Instant,
@@ -327,13 +327,13 @@ impl Search {
     }
 
     /// How close the target is at `at`.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn approach(&self, at: Instant, seen: &Seen) -> Approach {
         let (closeness, rate) = self.reach.closeness(&Sight::new(&self.motion, seen));
         Approach { at, closeness, rate }
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn move_on(&mut self, seen: &Certificate) {
         let whole_ns = Duration::from_seconds_floor(seen.stays_s).ns();
         let next = seen.now.at.plus(Duration::from_ns(whole_ns.max(1)));
@@ -341,7 +341,7 @@ impl Search {
         self.state.previous = Some(seen.now);
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn finish(&mut self, visit: Visit, best: Approach, exit: Instant, exit_clipped: bool) {
         let last = if best.at < exit { best.at } else { exit };
         self.state.stage = Stage::Found(Transit {
@@ -357,7 +357,7 @@ impl Search {
 
     /// The maximum of closeness since the previous evaluation, within the visit, where that may be a
     /// new best: at an edge, or by false position on its rate (Illinois).
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn summit(
         &mut self,
         certificate: &Certificate,
@@ -438,7 +438,7 @@ const fn earliest(at: Instant, certified: Instant) -> Instant {
 
 /// `seconds` before `at`, but neither beyond the longest correction nor before `certified`, up to
 /// which no crossing was possible.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 fn back(at: Instant, seconds: f64, certified: Instant) -> Instant {
     if seconds > Duration::from_ns(LONGEST_CORRECTION_NS).seconds() {
         return at;

@@ -32,7 +32,7 @@ impl Motion {
     };
 
     /// Takes up a strategy, in place.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn set(&mut self, scan: &ScanStrategy) {
         self.scan = *scan;
         (self.sin_alpha, self.cos_alpha) = trigonometry::sin_cos(scan.parameters().alpha_rad);
@@ -94,7 +94,7 @@ impl Seen {
         Ok(())
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn evaluate_sun(
         &mut self,
         at: Instant,
@@ -105,7 +105,7 @@ impl Seen {
         Ok(())
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn evaluate_target(
         &mut self,
         at: Instant,
@@ -117,7 +117,7 @@ impl Seen {
         Ok(())
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn evaluate_phases(&mut self, at: Instant, scan: &ScanStrategy) {
         let (precession, spin) = scan.phases(at);
         self.sines = [precession.sin_cos(), spin.sin_cos()];
@@ -141,7 +141,7 @@ pub(super) struct Sight {
 
 impl Sight {
     /// The target as seen, taken to the spinning spacecraft.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn new(motion: &Motion, seen: &Seen) -> Self {
         let Seen { target: seen, sines: [(sin_a, cos_a), (sin_b, cos_b)], .. } = *seen;
         let p = seen.direction.vector();

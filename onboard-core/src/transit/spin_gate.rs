@@ -27,7 +27,7 @@ impl SpinGate {
     pub(super) const NOTHING: Self = Self(None);
 
     /// For a field within `reach` of its centre, which lies at `beta` from the spin axis.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn new((sin_beta, beta): (f64, f64), reach: f64) -> Self {
         let holds_axis = reach + ROUNDING >= beta || reach + ROUNDING >= PI - beta;
         Self(
@@ -38,7 +38,7 @@ impl SpinGate {
     }
 
     /// Seconds until the azimuth of the field, its `centre` given, can match the target's.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn seconds(
         &self,
         motion: &Motion,
