@@ -35,7 +35,7 @@ fn steps(channels: &mut [Channel<'_>], next: &mut [Option<NextVisit>]) -> u32 {
 fn five_planets_take_as_many_steps_together_as_one_by_one() {
     let start = parse_time("2032-04-01T00:00:00 TDB").unwrap();
     let end = start.plus(Duration::from_ns(1096 * DAY_NS));
-    let planets = ["venus", "mars", "jupiter", "saturn", "uranus"].map(Source::by_name);
+    let planets = ["mars", "jupiter", "saturn", "uranus", "neptune"].map(Source::by_name);
     let planets = planets.map(Result::unwrap);
     let fitted = fit(&Sky::from_l2(start), &planets, (start, end), &FitOptions::UPLINK).unwrap();
     let table = EphemerisTable::parse(&fitted.bytes).unwrap();
