@@ -9,7 +9,8 @@ use formats::uplink::Contents;
 use mission::{Mission, Override};
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::sequencer::{
-    Event, EventQueue, MAX_EVALUATIONS_PER_TICK, Sequencer, Settings, Situation, SkipReason,
+    Event, EventQueue, Lost, MAX_EVALUATIONS_PER_TICK, ScanEstimate, Sequencer, Settings,
+    Situation, SkipReason,
 };
 use onboard_core::time::Duration;
 use onboard_core::uplink::{SessionRecord, Tables};
@@ -37,22 +38,29 @@ fn fly(tables: &Tables<'_>, telescope: u16) -> (usize, Vec<Event>) {
         passes_tolerance: 0,
         longest_gap: Duration::from_ns(60 * SECOND),
         check_ahead: Duration::from_ns(7200 * SECOND),
+        recheck_rad: 1e-6,
         steps_per_tick: 8,
     };
     let mut sequencer = Sequencer::new(settings).unwrap();
+    sequencer.resume();
     let mut queue = EventQueue::<16>::new();
     let mut events = Vec::new();
     let mut at = Duration::ZERO;
     while header.valid_from.plus(at) <= header.valid_until {
         let ticks = u64::try_from(at.ns()).unwrap();
-        let situation =
-            Situation { ticks, clock: Some(&clock), tables: Some(tables), strategy: None };
+        let situation = Situation {
+            ticks,
+            clock: Some(&clock),
+            tables: Some(tables),
+            tables_damaged: false,
+            scan: ScanEstimate::Mission,
+        };
         let tick = sequencer.tick(&situation, &mut queue);
         assert!(tick.evaluations <= MAX_EVALUATIONS_PER_TICK);
         events.extend(std::iter::from_fn(|| queue.pop()).map(|it| it.event));
         at = Duration::from_ns(at.ns() + 20 * SECOND);
     }
-    assert_eq!(queue.dropped(), 0);
+    assert_eq!(queue.lost(), Lost::NONE);
     // The last session may end with the mission, where no tick follows.
     let planned = tables.plan().sessions().filter(|it| it.telescope == telescope).count();
     (planned, events)

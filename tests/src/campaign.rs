@@ -115,6 +115,7 @@ pub const SETTINGS: Settings = Settings {
     passes_tolerance: 0,
     longest_gap: Duration::from_ns(20 * SECOND),
     check_ahead: Duration::from_ns(3600 * SECOND),
+    recheck_rad: 1e-3,
     steps_per_tick: 8,
 };
 

@@ -5,8 +5,8 @@ use onboard_core::clock::{ClockCorrelation, ClockError};
 use onboard_core::phase::{Phase, Rotor};
 use onboard_core::scan::{ScanParameters, ScanStrategy};
 use onboard_core::sequencer::{
-    AbortReason, Event, EventQueue, MAX_EVALUATIONS_PER_TICK, SafeReason, Sequencer, Situation,
-    SkipReason, State,
+    AbortReason, Event, EventQueue, Lost, MAX_EVALUATIONS_PER_TICK, SafeReason, ScanEstimate,
+    Sequencer, Situation, SkipReason, State,
 };
 use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::{Header, SectionKind, SessionRecord, Tables};
@@ -20,6 +20,7 @@ struct Flight<'a> {
     sequencer: Sequencer,
     events: EventQueue<64>,
     tables: Option<Tables<'a>>,
+    damaged: bool,
     clock: Option<ClockCorrelation>,
     strategy: Option<ScanStrategy>,
     log: Vec<Event>,
@@ -27,10 +28,13 @@ struct Flight<'a> {
 
 impl<'a> Flight<'a> {
     fn new(uplink: &'a [u8]) -> Self {
+        let mut sequencer = Sequencer::new(SETTINGS).unwrap();
+        sequencer.resume();
         Self {
-            sequencer: Sequencer::new(SETTINGS).unwrap(),
+            sequencer,
             events: EventQueue::new(),
             tables: Some(Tables::load(uplink).unwrap()),
+            damaged: false,
             clock: Some(CLOCK),
             strategy: None,
             log: Vec::new(),
@@ -42,7 +46,8 @@ impl<'a> Flight<'a> {
             ticks: ticks_at(ns),
             clock: self.clock.as_ref(),
             tables: self.tables.as_ref(),
-            strategy: self.strategy.as_ref(),
+            tables_damaged: self.damaged,
+            scan: self.strategy.as_ref().map_or(ScanEstimate::Mission, ScanEstimate::Strategy),
         };
         let tick = self.sequencer.tick(&situation, &mut self.events);
         assert!(tick.evaluations <= MAX_EVALUATIONS_PER_TICK, "{}", tick.evaluations);
@@ -103,7 +108,7 @@ fn every_session_of_a_sound_plan_is_carried_out_at_its_times() {
     assert_eq!(flight.count(|it| matches!(it, Event::Started(..))), sessions.len());
     assert_eq!(flight.count(|it| matches!(it, Event::Ended(_))), sessions.len());
     assert_eq!(flight.skips(), []);
-    assert_eq!(flight.events.dropped(), 0);
+    assert_eq!(flight.events.lost(), Lost::NONE);
     flight.tick(21 * DAY + SECOND);
     let expired = SafeReason::TablesExpired(Instant::from_tai_ns(21 * DAY));
     assert_eq!(flight.sequencer.state(), State::Safe(expired));

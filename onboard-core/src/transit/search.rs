@@ -277,8 +277,13 @@ impl Search {
         lookup: &Lookup<'_, '_>,
         seen: &mut Seen,
     ) -> Result<(), EphemerisError> {
-        self.evaluations = self.evaluations.wrapping_add(1);
+        self.count();
         seen.look(at, &self.motion, lookup.sun, lookup.target)
+    }
+
+    /// Counts an evaluation.
+    pub(super) const fn count(&mut self) {
+        self.evaluations = self.evaluations.wrapping_add(1);
     }
 
     /// The target at any instant; not counted.

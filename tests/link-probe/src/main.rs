@@ -29,7 +29,8 @@ use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::rotation::{Rotation, RotationError};
 use onboard_core::scan::{ScanError, ScanParameters, ScanStrategy};
 use onboard_core::sequencer::{
-    EventQueue, Sequencer, Settings, SettingsError, Situation, Stamped, State, Tick,
+    Event, EventKind, EventQueue, Lost, Question, ScanEstimate, Sequencer, SessionCheck, Settings,
+    SettingsError, Situation, SkipReason, Stamped, State, Tick,
 };
 use onboard_core::sun::{AntiSunAxes, SunModel};
 use onboard_core::time::{Duration, Instant};
@@ -307,8 +308,22 @@ probes! {
     event_queue_pop__max(queue: *mut EventQueue<MAX_EVENTS>) -> Option<Stamped> { (&mut *queue).pop() }
     event_queue_push__1(queue: *mut EventQueue<1>, stamped: *const Stamped) -> () { (&mut *queue).push(*stamped) }
     event_queue_push__max(queue: *mut EventQueue<MAX_EVENTS>, stamped: *const Stamped) -> () { (&mut *queue).push(*stamped) }
-    event_queue_dropped__1(queue: *const EventQueue<1>) -> u32 { (&*queue).dropped() }
-    event_queue_dropped__max(queue: *const EventQueue<MAX_EVENTS>) -> u32 { (&*queue).dropped() }
+    event_queue_lost__1(queue: *const EventQueue<1>) -> Lost { (&*queue).lost() }
+    event_queue_lost__max(queue: *const EventQueue<MAX_EVENTS>) -> Lost { (&*queue).lost() }
+    event_kind(event: *const Event) -> EventKind { (&*event).kind() }
+    event_kind_rank(kind: EventKind) -> u8 { kind.rank() }
+    lost_total(lost: Lost) -> u32 { lost.total() }
+    scan_estimate_strategy(scan: *const ScanEstimate<'static>) -> Option<&'static ScanStrategy> { (&*scan).strategy() }
+    scan_estimate_covariance_at(scan: *const ScanEstimate<'static>, at: Instant) -> ScanCovariance { (&*scan).covariance_at(at) }
+    session_check_reset(check: *mut SessionCheck) -> () { (&mut *check).reset() }
+    session_check_start(check: *mut SessionCheck, strategy: *const ScanStrategy) -> () { (&mut *check).start(&*strategy) }
+    session_check_start_with_avoidance(check: *mut SessionCheck, strategy: *const ScanStrategy) -> () { (&mut *check).start_with_avoidance(&*strategy) }
+    session_check_is_waiting(check: *const SessionCheck) -> bool { (&*check).is_waiting() }
+    session_check_strategy(check: *const SessionCheck) -> &'static ScanStrategy { (&*check).strategy() }
+    session_check_verdict(check: *const SessionCheck) -> Option<Result<(), SkipReason>> { (&*check).verdict() }
+    session_check_pieces(check: *const SessionCheck) -> u32 { (&*check).pieces() }
+    session_check_uncertainty(check: *const SessionCheck, scan: *const ScanEstimate<'static>) -> Duration { (&*check).uncertainty(|at| (&*scan).covariance_at(at)) }
+    session_check_advance(check: *mut SessionCheck, question: *const Question<'static, 'static>, steps: u16) -> u32 { (&mut *check).advance(&*question, steps) }
     sequencer_new(settings: Settings) -> Result<Sequencer, SettingsError> { Sequencer::new(settings) }
     sequencer_state(sequencer: *const Sequencer) -> State { (&*sequencer).state() }
     sequencer_stop(sequencer: *mut Sequencer) -> () { (&mut *sequencer).stop() }

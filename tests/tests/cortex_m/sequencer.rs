@@ -77,6 +77,7 @@ fn settings(telescope: u16, tolerance_ns: i64) -> Vec<u8> {
         &0_u32.to_le_bytes(),
         &(STEP_S * SECOND).to_le_bytes(),
         &(4 * HOUR_S * SECOND).to_le_bytes(),
+        &1e-3_f64.to_le_bytes(),
         &8_u32.to_le_bytes(),
     ]
     .concat()
@@ -123,6 +124,10 @@ impl Flight {
         self.order(4, &[]);
     }
 
+    fn damaged(&mut self, damaged: u32) {
+        self.order(6, &damaged.to_le_bytes());
+    }
+
     fn strategy(&mut self, alpha_rad: f64) {
         self.order(5, &alpha_rad.to_le_bytes());
     }
@@ -141,6 +146,7 @@ pub fn blocks(input: &mut Input) {
     let mut flight = Flight::default();
     flight.clock(0);
     flight.tables(0);
+    flight.resume();
     flight.until(days * NS_PER_DAY / SECOND);
     let calm = [
         settings(telescope, 1_000_000),
@@ -222,6 +228,11 @@ fn disturbances(sessions: &[SessionRecord], start: Instant) -> Flight {
             4 => flight.seconds -= 2 * HOUR_S,
             5 => flight.seconds -= 45,
             6 => flight.tables(1),
+            7 => {
+                flight.damaged(1);
+                flight.ticks(20, 3);
+                flight.damaged(0);
+            }
             8 => flight.tables(2),
             9 => {
                 flight.clock(1);
