@@ -26,13 +26,12 @@
 
 use ephem::time::format_tdb;
 use mission::Mission;
-use onboard_core::field_of_view::FieldShape;
 use onboard_core::time::Instant;
 use onboard_core::uplink::{
-    AvoidanceRecord, Counts, DetectorRecord, ENTRY_BYTES, HEADER_BYTES, Header, MissionTable,
-    Refusal, SectionKind, SessionRecord, SetDigest, SunRecord, TableError, TelescopeRecord,
+    ENTRY_BYTES, HEADER_BYTES, Header, Refusal, SectionKind, SessionRecord, SetDigest, TableError,
     UplinkError, checksum, entry_to_le_bytes,
 };
+use planner::onboard::{BeyondRecord, TooMany, mission_section, record};
 use planner::plan::Plan;
 use planner::world::{TableFault, World};
 use thiserror::Error;
@@ -44,16 +43,11 @@ pub enum TooLarge {
     #[error("the uplink table would take {0} bytes: it holds 4294967295")]
     Bytes(usize),
     /// More of something than its counts can name.
-    #[error("the uplink table cannot hold {number} {what}: it holds 65535")]
-    Count {
-        /// What there is too much of.
-        what: &'static str,
-        /// How many.
-        number: usize,
-    },
+    #[error(transparent)]
+    Count(#[from] TooMany),
     /// A session's number that its record cannot hold.
-    #[error("the uplink table cannot hold the {0} of a session")]
-    Session(&'static str),
+    #[error(transparent)]
+    Session(#[from] BeyondRecord),
 }
 
 /// The sessions of a plan as the uplink table holds them, by start.
@@ -61,23 +55,10 @@ pub enum TooLarge {
 /// # Errors
 /// [`TooLarge`] where a number exceeds the format.
 pub fn records(world: &World, plan: &Plan) -> Result<Vec<SessionRecord>, TooLarge> {
-    let record = |&candidate: &usize| {
-        let opportunity = plan.offered.opportunity(candidate);
-        let (start, end) = plan.offered.problem.reserved(candidate);
-        let passes = plan.offered.offers.opportunities.passes(opportunity).len();
-        let too_large = TooLarge::Session;
-        Ok(SessionRecord {
-            start,
-            end,
-            first_entry: opportunity.first_entry,
-            last_exit: opportunity.last_exit,
-            body: world.targets[opportunity.target].body(),
-            turn: u32::try_from(opportunity.turn).map_err(|_| too_large("precession turn"))?,
-            telescope: u16::try_from(opportunity.telescope).map_err(|_| too_large("telescope"))?,
-            passes: u16::try_from(passes).unwrap_or(u16::MAX),
-        })
+    let one = |&candidate: &usize| {
+        Ok(record(world, &plan.offered.offers, plan.offered.opportunity(candidate))?)
     };
-    plan.schedule.chosen.iter().map(record).collect()
+    plan.schedule.chosen.iter().map(one).collect()
 }
 
 /// What a container is made from.
@@ -130,7 +111,7 @@ impl Contents<'_> {
             valid_until: self.world.end,
             mission_digest: digest(&self.world.mission),
         };
-        let count = count("sections", sections.len())?;
+        let count = TooMany::checked("sections", sections.len())?;
         let mut bytes = header.to_le_bytes(length(offset)?, count, checksum(&directory)).to_vec();
         bytes.extend(directory);
         for (_, section) in &sections {
@@ -152,44 +133,6 @@ pub fn digest(mission: &Mission) -> [u8; 16] {
 
 fn length(bytes: usize) -> Result<u32, TooLarge> {
     u32::try_from(bytes).map_err(|_| TooLarge::Bytes(bytes))
-}
-
-fn mission_section(world: &World) -> Result<Vec<u8>, TooLarge> {
-    let mission = &world.mission;
-    let detectors = mission.telescopes.iter().map(|telescope| telescope.detectors.len()).sum();
-    let counts = Counts {
-        telescopes: count("telescopes", mission.telescopes.len())?,
-        detectors: count("detectors", detectors)?,
-        avoidance: count("avoidance limits", world.avoided.len())?,
-    };
-    let sun = world.circular_sun.map_or(SunRecord::Table, SunRecord::Circular);
-    let radius = mission.calibration.radius_rad();
-    let fixed = MissionTable::fixed_to_le_bytes(world.scan.parameters(), sun, counts, radius);
-    let mut bytes = fixed.to_vec();
-    for telescope in &mission.telescopes {
-        let circle = FieldShape::Circle(radius);
-        let record = TelescopeRecord {
-            rotation: telescope.rotation,
-            hwp: telescope.hwp,
-            field: telescope.field_of_view.map_or(circle, |field| field.shape()),
-        };
-        bytes.extend(record.to_le_bytes());
-    }
-    for (telescope, it) in (0_u16..).zip(&mission.telescopes) {
-        for named in &it.detectors {
-            let record = DetectorRecord { rotation: named.rotation, telescope };
-            bytes.extend(record.to_le_bytes());
-        }
-    }
-    for (source, angle_rad) in &world.avoided {
-        let record = AvoidanceRecord { body: source.body(), angle_rad: *angle_rad };
-        bytes.extend(record.to_le_bytes());
-    }
-    Ok(bytes)
-}
-
-fn count(what: &'static str, number: usize) -> Result<u16, TooLarge> {
-    u16::try_from(number).map_err(|_| TooLarge::Count { what, number })
 }
 
 fn plan_section(sessions: &[SessionRecord]) -> Result<Vec<u8>, TooLarge> {

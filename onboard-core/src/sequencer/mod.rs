@@ -77,6 +77,19 @@ pub struct Tick {
     pub state: State,
     /// Evaluations made.
     pub evaluations: u32,
+    /// How far the check of the next session has come.
+    pub check: Progress,
+}
+
+/// How far the check of the next session has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// No session is near enough to be checked, or none was reached yet.
+    Waiting,
+    /// It goes on at the next tick.
+    UnderWay,
+    /// Its outcome is known.
+    Done,
 }
 
 /// What is ordered and not yet carried out.
@@ -188,7 +201,12 @@ impl Sequencer {
                 }
             }
         }
-        Tick { state: self.state, evaluations }
+        let check = match self.check.verdict() {
+            Some(_) => Progress::Done,
+            None if self.check.is_waiting() => Progress::Waiting,
+            None => Progress::UnderWay,
+        };
+        Tick { state: self.state, evaluations, check }
     }
 
     /// The time and the tables, when both may be acted on.

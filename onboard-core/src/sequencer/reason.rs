@@ -45,7 +45,7 @@ pub enum SafeReason {
 }
 
 /// Why a session is not begun.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SkipReason {
     /// Its start had passed by more than the longest gap.
     Missed,
@@ -70,7 +70,7 @@ pub enum SkipReason {
 }
 
 /// Why a running session is given up.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AbortReason {
     /// The state became safe.
     Safe,

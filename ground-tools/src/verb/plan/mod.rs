@@ -3,6 +3,7 @@
 mod wishes;
 mod contradiction;
 mod folder;
+mod flight;
 mod summary;
 
 use super::asked::world;
@@ -15,11 +16,12 @@ use crate::output::stamp::stamp;
 use crate::output::{fill_folder, whole};
 use crate::report;
 use contradiction::plan_failure;
+use flight::flown;
 use folder::{is_ours, remove_stale};
 use formats::products::Products;
 use formats::resonance::sentence;
 use formats::timeline::timeline;
-use formats::uplink::{Contents, records, slow_checks};
+use formats::uplink::slow_checks;
 use planner::plan::plan;
 use planner::resonance::check::Resonances;
 use planner::schedule::{Stopped, check};
@@ -46,6 +48,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let search_limit = SearchLimit::new(wishes.time_limit);
     let plan = plan(&world, &wishes.revision(), &search_limit)
         .map_err(|error| plan_failure(&world, error))?;
+    let (plan, uplink) = flown(&world, plan, arguments.sequence, &search_limit)?;
     let (tables, offers) = (&plan.offered.tables, &plan.offered.offers);
     let opportunities = &offers.opportunities;
     let table = tables.parse()?;
@@ -54,13 +57,6 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         timeline.stopped = search_limit.told();
     }
     let difference = wishes.difference(&mut timeline);
-    let records = records(&world, &plan)?;
-    let contents = Contents {
-        world: &world,
-        ephemeris: &tables.fitted.bytes,
-        sessions: Some(&records),
-        sequence: arguments.sequence,
-    };
     let violation =
         check(&plan.offered.problem, &plan.schedule.chosen).err().map(|it| it.to_string());
     let page = report::page(&report::Source {
@@ -80,7 +76,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         whole: asked.aem_span == AttitudeSpan::All,
         spacecraft: asked.naif_id,
     };
-    let (json, csv, uplink) = (timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?);
+    let (json, csv) = (timeline.to_json()?, timeline.to_csv()?);
     let mut files = vec![
         (TIMELINE, whole(&json)),
         ("timeline.csv", whole(&csv)),
