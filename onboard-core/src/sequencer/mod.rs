@@ -32,6 +32,10 @@ mod settings;
 mod estimate;
 mod watch;
 mod event;
+#[cfg(test)]
+mod trial;
+#[cfg(test)]
+mod rules;
 
 pub use check::{MAX_STEPS_PER_TICK, Question, SessionCheck};
 pub use estimate::ScanEstimate;

@@ -6,8 +6,7 @@
 //!
 //! Limits: the sequencer also needs time to check; [`Judge::ticks`] says how much.
 
-use super::section::{TooMany, mission_section};
-use crate::world::World;
+use super::section::TooMany;
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::scan::ScanStrategy;
 use onboard_core::sequencer::{MAX_STEPS_PER_TICK, Question, SessionCheck, SkipReason};
@@ -29,22 +28,24 @@ pub enum JudgeError {
 /// The mission and the ephemeris as they go on board.
 #[derive(Debug)]
 pub struct Judge<'t> {
-    mission: Vec<u8>,
+    mission: MissionTable<'t>,
     ephemeris: EphemerisTable<'t>,
     strategy: ScanStrategy,
     validity: (Instant, Instant),
 }
 
 impl<'t> Judge<'t> {
-    /// A judge on a mission and its fitted table.
+    /// A judge on the bytes of a [`mission_section`](super::mission_section) and the fitted table.
     ///
     /// # Errors
-    /// [`JudgeError`] where the mission cannot go on board.
-    pub fn new(world: &World, ephemeris: EphemerisTable<'t>) -> Result<Self, JudgeError> {
-        let mission = mission_section(world)?;
-        let strategy = MissionTable::parse(&mission).map_err(JudgeError::Mission)?.strategy();
-        let validity = (world.start, world.end);
-        Ok(Self { mission, ephemeris, strategy, validity })
+    /// [`JudgeError::Mission`].
+    pub fn new(
+        section: &'t [u8],
+        ephemeris: EphemerisTable<'t>,
+        validity: (Instant, Instant),
+    ) -> Result<Self, JudgeError> {
+        let mission = MissionTable::parse(section).map_err(JudgeError::Mission)?;
+        Ok(Self { mission, ephemeris, strategy: mission.strategy(), validity })
     }
 
     /// Whether a session keeps all avoidance limits.
@@ -70,12 +71,9 @@ impl<'t> Judge<'t> {
         mut check: SessionCheck,
         session: &SessionRecord,
     ) -> (Result<(), SkipReason>, u32) {
-        let Ok(mission) = MissionTable::parse(&self.mission) else {
-            return (Err(SkipReason::NotChecked), 0);
-        };
         let question = Question {
             session,
-            mission: &mission,
+            mission: &self.mission,
             ephemeris: self.ephemeris,
             validity: self.validity,
             tolerance: TOLERANCE,

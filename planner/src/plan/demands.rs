@@ -11,7 +11,7 @@
 //! Limits: those of the core's search, 2e-11 rad at a limit's edge.
 
 use super::error::DemandError;
-use crate::onboard::{AHEAD, Judge, TICK, record};
+use crate::onboard::{AHEAD, Judge, JudgeError, TICK, mission_section, record};
 use crate::opportunities::{Found, Opportunity};
 use crate::schedule::{Contact, Data, Demands, Diversity, Log, LongestGap, SessionCount, Thermal};
 use crate::world::{TableFault, World};
@@ -144,7 +144,8 @@ impl Scene<'_> {
     /// Opportunities that the spacecraft would not begin; why, where that is no body to avoid.
     fn disallowed(&self) -> Result<(Vec<usize>, BTreeMap<usize, SkipReason>), DemandError> {
         let (from, until) = (self.world.start, self.world.end);
-        let judge = Judge::new(self.world, self.table)?;
+        let section = mission_section(self.world).map_err(JudgeError::TooMany)?;
+        let judge = Judge::new(&section, self.table, (from, until))?;
         let judged = |it: &Opportunity| -> Result<Option<SkipReason>, DemandError> {
             let session = record(self.world, self.offers, it)?;
             if session.start < from || session.end > until {
