@@ -26,8 +26,7 @@ use std::path::{Path, PathBuf};
 const ACROSS_FOLDERS: &[&[&str]] = &[];
 
 /// The same for circles that stay in one folder.
-const IN_ONE_FOLDER: &[&[&str]] =
-    &[];
+const IN_ONE_FOLDER: &[&[&str]] = &[];
 
 /// The largest number that a measure may have.
 struct Limit {
