@@ -11,7 +11,7 @@ use super::judge::TOLERANCE;
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::sequencer::{
     AbortReason, Event, EventQueue, MAX_STEPS_PER_TICK, Progress, ScanEstimate, Sequencer,
-    Settings, SettingsError, Situation, SkipReason,
+    Settings, SettingsError, Situation, SkipReason, State,
 };
 use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::{SessionRecord, Tables};
@@ -103,7 +103,7 @@ impl<'t, 'a> Flight<'t, 'a> {
         let mut next = sessions.partition_point(|(_, it)| it.start < now);
         while next < sessions.len() && now <= header.valid_until {
             let mut check = self.tick(now);
-            while self.unhurried && check == Progress::UnderWay {
+            while self.unhurried && check == Progress::UnderWay && !self.is_safe() {
                 check = self.tick(now);
             }
             next += sessions[next..].partition_point(|(_, it)| it.start <= now);
@@ -127,11 +127,16 @@ impl<'t, 'a> Flight<'t, 'a> {
 
     /// The first tick at or after `until`; no running session is left alone for the longest gap.
     fn following(&self, now: Instant, until: Instant) -> Instant {
-        let running = self.sequencer.state() != onboard_core::sequencer::State::Idle;
+        let running = self.sequencer.state() != State::Idle;
         let ahead = until.since(now).ns();
         let ahead = if running { ahead.min(AHEAD.ns()) } else { ahead };
         let ticks = (ahead + TICK.ns() - 1).div_euclid(TICK.ns()).max(1);
         now.plus(Duration::from_ns(ticks * TICK.ns()))
+    }
+
+    /// Whether nothing goes on, a check neither.
+    const fn is_safe(&self) -> bool {
+        matches!(self.sequencer.state(), State::Safe(_))
     }
 
     fn tick(&mut self, now: Instant) -> Progress {
