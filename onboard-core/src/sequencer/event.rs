@@ -219,29 +219,41 @@ impl Log<'_> {
     }
 
     /// Into a full queue: the newest of the events that matter least goes, if it matters less.
+    ///
+    /// By turning the queue once round to find it and once to leave it out: its iterators reach a panic.
     #[inline(never)]
     fn make_room(&mut self, newest: Stamped) {
+        let held = self.events.storage_capacity();
         let mut least = newest.event.kind().rank();
         let mut place = None;
-        for (index, held) in self.events.iter().enumerate() {
-            let rank = held.event.kind().rank();
+        for index in 0..held {
+            let Some(stamped) = self.events.pop_front() else { return };
+            let rank = stamped.event.kind().rank();
             if rank < least || (rank == least && place.is_some()) {
                 (least, place) = (rank, Some(index));
             }
+            self.keep(stamped);
         }
-        let Some(place) = place else {
+        if place.is_none() {
             self.lost.count(newest.event.kind());
             return;
-        };
-        // Those after it move up by one, and the newest comes last.
-        let mut behind = self.events.iter_mut().skip(place);
-        let Some(mut free) = behind.next() else { return };
-        self.lost.count(free.event.kind());
-        for held in behind {
-            *free = *held;
-            free = held;
         }
-        *free = newest;
+        for index in 0..held {
+            let Some(stamped) = self.events.pop_front() else { return };
+            if place == Some(index) {
+                self.lost.count(stamped.event.kind());
+            } else {
+                self.keep(stamped);
+            }
+        }
+        self.keep(newest);
+    }
+
+    /// At the end, where there is room.
+    fn keep(&mut self, stamped: Stamped) {
+        if let Err(stamped) = self.events.push_back(stamped) {
+            self.lost.count(stamped.event.kind());
+        }
     }
 }
 
