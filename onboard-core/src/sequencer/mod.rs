@@ -413,13 +413,7 @@ impl Sequencer {
         tables: &Tables<'_>,
         scan: &ScanEstimate<'_>,
     ) -> u32 {
-        if self.check.is_waiting() {
-            match scan.strategy() {
-                Some(strategy) => self.check.start(strategy),
-                None => self.check.start(&tables.mission().strategy()),
-            }
-            self.of_mission = scan.strategy().is_none();
-        }
+        self.begin_check(tables, scan);
         let header = tables.header();
         let question = Question {
             session,
@@ -430,6 +424,18 @@ impl Sequencer {
             passes_tolerance: self.settings.passes_tolerance,
         };
         self.check.advance(&question, self.settings.steps_per_tick)
+    }
+
+    /// Begins the check, unless it has begun; apart, so that its strategy lies below no evaluation.
+    #[inline(never)]
+    fn begin_check(&mut self, tables: &Tables<'_>, scan: &ScanEstimate<'_>) {
+        if self.check.is_waiting() {
+            match scan.strategy() {
+                Some(strategy) => self.check.start(strategy),
+                None => self.check.start(&tables.mission().strategy()),
+            }
+            self.of_mission = scan.strategy().is_none();
+        }
     }
 
     /// Whether a session whose start has come may begin.
