@@ -57,6 +57,23 @@ impl<'c, 'a, 'm> Forecast<'c, 'a, 'm> {
         Self { finder: TransitFinder::new(channels), next, waiting: None }
     }
 
+    /// A forecast that goes on from what an earlier one over the same channels left: its `next` and
+    /// its [`Self::waiting`].
+    #[must_use]
+    pub fn resume(
+        channels: &'c mut [Channel<'a>],
+        next: &'m mut [Option<NextVisit>],
+        waiting: Option<Transit>,
+    ) -> Self {
+        Self { finder: TransitFinder::new(channels), next, waiting }
+    }
+
+    /// The visit whose confidence is still to be evaluated.
+    #[must_use]
+    pub const fn waiting(&self) -> Option<Transit> {
+        self.waiting
+    }
+
     /// The next visits known so far, by target.
     #[must_use]
     pub const fn next(&self) -> &[Option<NextVisit>] {
