@@ -242,6 +242,8 @@ probes! {
     visit_log_divisions__max(log: &'static VisitLog<'static, 64>) -> Divisions { *log.divisions() }
 
     forecast_new(channels: *mut [Channel<'static>], next: *mut [Option<NextVisit>]) -> Forecast<'static, 'static, 'static> { Forecast::new(&mut *channels, &mut *next) }
+    forecast_resume(channels: *mut [Channel<'static>], next: *mut [Option<NextVisit>], waiting: Option<Transit>) -> Forecast<'static, 'static, 'static> { Forecast::resume(&mut *channels, &mut *next, waiting) }
+    forecast_waiting(forecast: &'static Forecast<'static, 'static, 'static>) -> Option<Transit> { forecast.waiting() }
     forecast_next(forecast: &'static Forecast<'static, 'static, 'static>) -> usize { forecast.next().len() }
     forecast_step(forecast: &'static mut Forecast<'static, 'static, 'static>, covariance: &'static ScanCovariance) -> ForecastStep { forecast.step(|_| *covariance) }
 
