@@ -26,8 +26,10 @@ use std::path::{Path, PathBuf};
 const ACROSS_FOLDERS: &[&[&str]] = &[];
 
 /// The same for circles that stay in one folder.
-const IN_ONE_FOLDER: &[&[&str]] =
-    &[&["sequencer/check.rs", "sequencer/mod.rs"], &["sequencer/event.rs", "sequencer/mod.rs"]];
+const IN_ONE_FOLDER: &[&[&str]] = &[
+    &["sequencer/check.rs", "sequencer/mod.rs"],
+    &["sequencer/event.rs", "sequencer/mod.rs"],
+];
 
 /// The largest number that a measure may have.
 struct Limit {
