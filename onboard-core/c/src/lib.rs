@@ -24,6 +24,7 @@
     )
 )]
 #![expect(non_camel_case_types, reason = "types have the names of the C header")]
+#![expect(clippy::doc_markdown, reason = "comments are the C header's, where names stand bare")]
 #![expect(
     clippy::missing_safety_doc,
     reason = "the header's top says once what every caller must hold"

@@ -216,6 +216,7 @@ pub(crate) fn answer(work: impl FnOnce() -> Result<(), gyr_error_t>) -> gyr_erro
 }
 
 #[cfg(test)]
+#[expect(clippy::undocumented_unsafe_blocks, reason = "the memory is the tests' own")]
 mod tests {
     use super::*;
 
@@ -272,6 +273,27 @@ mod tests {
         assert_eq!(unsafe { content(other) }, Err(gyr_error_t::GYR_ARGUMENT_STATE));
         state.opaque[0] ^= 1;
         assert_eq!(unsafe { content(&raw const state) }, refused);
+    }
+
+    /// The words are chosen for the largest target, with room for what the core gains, not for more.
+    #[test]
+    fn no_state_is_far_larger_than_it_must_be() {
+        fn spare<S: State>() -> (usize, usize) {
+            (size_of::<S>() - S::NEEDED, size_of::<S>())
+        }
+        let states = [
+            spare::<crate::tables::gyr_tables_t>(),
+            spare::<crate::clock::gyr_clock_t>(),
+            spare::<crate::attitude::gyr_strategy_t>(),
+            spare::<crate::tracker::gyr_tracker_t>(),
+            spare::<crate::transits::gyr_finder_t>(),
+            spare::<crate::forecast::gyr_forecast_t>(),
+            spare::<crate::sequencer::gyr_sequencer_t>(),
+            spare::<crate::visits::gyr_visit_log_t>(),
+        ];
+        for (spare, size) in states {
+            assert!(spare <= 64 || spare * 4 <= size, "{states:?}");
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ use onboard_core::sequencer::{
     Stamped, State,
 };
 use onboard_core::time::Duration;
+use onboard_core::tracking::Tracker;
 
 /// Events that a sequencer holds until they are popped; a tick emits at most 37.
 pub const GYR_EVENTS: usize = 64;
@@ -279,7 +280,7 @@ pub unsafe extern "C" fn gyr_sequencer_tick(
         let tables = unsafe { content_or_none(given.tables) }?.map(|loaded| &loaded.tables);
         // SAFETY: as above.
         let tracker = unsafe { content_or_none(given.tracker) }?;
-        let strategy = tracker.map(|tracker| tracker.strategy());
+        let strategy = tracker.map(Tracker::strategy);
         let situation = Situation { ticks: given.ticks, clock, tables, strategy };
         writable(result)?;
         // SAFETY: as above.

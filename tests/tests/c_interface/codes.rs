@@ -1,4 +1,4 @@
-//! The codes of the header against the table of `docs/c-interface.md`.
+//! The codes and sizes of the header against the tables of `docs/c-interface.md`.
 
 use crate::toolchain::root;
 use libtest_mimic::Failed;
@@ -51,4 +51,22 @@ pub fn unique() -> Result<(), Failed> {
         }
     }
     Ok(())
+}
+
+/// The docs name every state's words as the header has them.
+pub fn words() -> Result<(), Failed> {
+    let header = std::fs::read_to_string(root().join("onboard-core/c/include/gyrfalcon.h"))?;
+    let page = std::fs::read_to_string(root().join("docs/c-interface.md"))?;
+    let mut count = 0;
+    for line in header.lines().filter_map(|line| line.strip_prefix("#define ")) {
+        if let Some((name, words)) = line.split_once(' ')
+            && name.ends_with("_WORDS")
+        {
+            count += 1;
+            if !page.contains(&format!("`{name}` {words} ")) {
+                return Err(format!("docs/c-interface.md lacks {name} {words}").into());
+            }
+        }
+    }
+    if count < 8 { Err(format!("{count} states in the header").into()) } else { Ok(()) }
 }

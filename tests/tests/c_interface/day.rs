@@ -5,7 +5,6 @@
 
 use clap::Parser;
 use ground_tools::cli::Cli;
-use libtest_mimic::Failed;
 use onboard_core::attitude::{attitude, sweep};
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation};
 use onboard_core::forecast::{Forecast, ForecastStep};
@@ -114,13 +113,13 @@ fn skip(reason: SkipReason) -> (u64, i64) {
 }
 
 /// Flies the first day of a short plan.
-pub fn fly() -> Result<Flown, Failed> {
-    let out = crate::build::folder("plan")?;
+pub fn fly() -> Result<Flown, String> {
+    let out = crate::build::folder("plan").map_err(|_| "no folder")?;
     let out_text = out.to_str().ok_or("a path of letters")?;
     let arguments =
         ["gyrfalcon", "plan", "--quiet", "--force", "--duration", "2d", "--out", out_text];
     ground_tools::verb::run(&Cli::parse_from(arguments)).map_err(|_| "no plan")?;
-    let container = std::fs::read(out.join("uplink.tbl"))?;
+    let container = std::fs::read(out.join("uplink.tbl")).map_err(|error| error.to_string())?;
     let tables = Tables::load(&container).map_err(|error| format!("{error:?}"))?;
     let header = *tables.header();
     let clock = ClockCorrelation {
