@@ -2,7 +2,7 @@
 
 use crate::toolchain::root;
 use libtest_mimic::Failed;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Names and numbers of `enum gyr_error_t`.
 fn of_the_header() -> Result<Vec<(String, i32)>, Failed> {
@@ -69,4 +69,30 @@ pub fn words() -> Result<(), Failed> {
         }
     }
     if count < 8 { Err(format!("{count} states in the header").into()) } else { Ok(()) }
+}
+
+/// What the pages name of the interface is in the header.
+pub fn named() -> Result<(), Failed> {
+    let header = std::fs::read_to_string(root().join("onboard-core/c/include/gyrfalcon.h"))?;
+    let word = |letter: char| !(letter.is_ascii_alphanumeric() || letter == '_');
+    let known: BTreeSet<&str> = header.split(word).collect();
+    for page in ["docs/c-interface.md", "docs/integration.md"] {
+        let text = std::fs::read_to_string(root().join(page))?;
+        let named = |it: &&str| {
+            let ours = it.starts_with("gyr_") || it.starts_with("GYR_");
+            ours && !it.starts_with("GYR_APP_") && !it.ends_with("_MID") && it.len() > 4
+        };
+        let strange: Vec<&str> = text.split(word).filter(named).collect();
+        if strange.len() < 20 {
+            return Err(format!("{page} was not read").into());
+        }
+        let strange: Vec<_> = strange
+            .into_iter()
+            .filter(|it| !known.contains(it) && *it != "gyr_panic_is_reachable")
+            .collect();
+        if !strange.is_empty() {
+            return Err(format!("{page} names {strange:?}, which the header lacks").into());
+        }
+    }
+    Ok(())
 }

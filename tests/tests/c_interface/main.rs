@@ -37,6 +37,7 @@ fn main() {
         Trial::test("a_wrong_word_is_named", a_wrong_word_is_named),
         Trial::test("the_docs_have_every_code_of_the_header", codes::documented),
         Trial::test("the_docs_have_every_states_words", codes::words),
+        Trial::test("what_the_pages_name_is_in_the_header", codes::named),
         Trial::test("codes_are_written_once", codes::unique),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
