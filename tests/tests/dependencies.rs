@@ -56,6 +56,7 @@ fn what_stands_apart_links_the_same_arithmetic() {
         "tests/link-probe/Cargo.lock",
         "tests/firmware/Cargo.lock",
         "tests/fuzz/Cargo.lock",
+        "tests/rtos/Cargo.lock",
     ] {
         let theirs = versions(lock);
         for name in ["nalgebra", "libm", "heapless", "crc", "serde", "simba", "num-traits"] {

@@ -19,7 +19,7 @@ const HOUR_S: i64 = 3600;
 const TICK_NS: f64 = 1250.0;
 
 /// The uplink of 20 days of `LiteBIRD` as `plan` writes it.
-fn uplink() -> &'static [u8] {
+pub fn uplink() -> &'static [u8] {
     static UPLINK: OnceLock<Vec<u8>> = OnceLock::new();
     UPLINK.get_or_init(|| {
         let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cortex-m/plan");
