@@ -85,8 +85,8 @@ pub fn channel(tables: &Tables<'static>) -> Option<Channel<'static>> {
 }
 
 /// The next visit, found step by step: between two steps the control cycle may run.
-pub fn forecast(channel: Channel<'static>) -> Option<NextVisit> {
-    let (mut channels, mut next) = ([channel], [None]);
+pub fn forecast(channel: &Channel<'static>) -> Option<NextVisit> {
+    let (mut channels, mut next) = ([*channel], [None]);
     let mut forecast = Forecast::new(&mut channels, &mut next);
     loop {
         match forecast.step(|_| ScanCovariance::ZERO) {

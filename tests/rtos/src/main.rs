@@ -82,7 +82,7 @@ mod app {
     /// The background.
     #[idle(shared = [state], local = [channel])]
     fn idle(mut context: idle::Context) -> ! {
-        let next = flight::forecast(*context.local.channel);
+        let next = flight::forecast(context.local.channel);
         while context.shared.state.lock(|state| state.is_some()) {}
         hprintln!("{:?}", next);
         loop {

@@ -108,7 +108,7 @@ fn skip(reason: SkipReason) -> (u64, i64) {
         SkipReason::Exit(by) => (185, by.ns()),
         SkipReason::Passes(number) => (186, number.into()),
         SkipReason::Avoidance(body) => (187, body.into()),
-        other => panic!("not on this flight: {other:?}"),
+        SkipReason::Ephemeris(error) => panic!("not on this flight: {error:?}"),
     }
 }
 

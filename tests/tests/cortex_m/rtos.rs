@@ -24,7 +24,7 @@ fn on_the_host() -> Result<String, Failed> {
         return Err("no session began".into());
     }
     let channel = flight::channel(&tables).ok_or("the plan's first target has no field")?;
-    writeln!(told, "{:?}", flight::forecast(channel))?;
+    writeln!(told, "{:?}", flight::forecast(&channel))?;
     Ok(told)
 }
 
