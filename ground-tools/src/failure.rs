@@ -13,6 +13,7 @@ use formats::vectors::VectorsError;
 use mission::fault::MissionError;
 use mission::nearest_first;
 use mission::occasions::OccasionError;
+use planner::onboard::JudgeError;
 use planner::opportunities::{OffersError, SightError};
 use planner::plan::{Asked, DemandError, PlanError, RevisionError};
 use planner::resonance::check::CheckError;
@@ -140,7 +141,9 @@ impl From<DemandError> for Failure {
         match error {
             DemandError::Occasion(error) => error.into(),
             DemandError::Worth(error) => error.into(),
-            DemandError::Sky(error) => Self::input(error),
+            DemandError::Judge(error @ JudgeError::Mission(_)) => Self::internal(error),
+            DemandError::Judge(error @ JudgeError::TooMany(_)) => Self::input(error),
+            DemandError::Record(error) => Self::input(error),
             DemandError::Table(error) => error.into(),
         }
     }

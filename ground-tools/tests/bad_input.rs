@@ -183,7 +183,7 @@ fn uplink_tables() {
     check(&flip(good.len() - 1), &["bad.tbl", "damaged", "mission"]);
     let mut older = good.clone();
     older[8] = 0;
-    check(&older, &["bad.tbl", "format version is 0", "version 2 is needed"]);
+    check(&older, &["bad.tbl", "format version is 0", "version 3 is needed"]);
     refused(folder.path(), &["table", "inspect", "none.tbl"], &["none.tbl"]);
     refused(folder.path(), &["table", "diff", "good.tbl", "none.tbl"], &["none.tbl"]);
     let back = ["table", "rollback", "good.tbl", "good.tbl", "--until", "2032-05-01T00:00:00Z"];
@@ -194,6 +194,8 @@ fn uplink_tables() {
     refused(folder.path(), &clock("0", "2032-04-01T00:00:00Z"), &["--tick-ns 0", "above 0"]);
     refused(folder.path(), &clock("1000", "2032-04-01T00:00:00"), &["--at", "time scale"]);
     refused(folder.path(), &clock("ten", "2032-04-01T00:00:00Z"), &["--tick-ns ten"]);
+    let change = ["table", "change", "good.tbl", "good.tbl", "--until", "2032-05-01T00:00:00Z"];
+    refused(folder.path(), &change, &["same spacecraft", "no order is needed"]);
     std::fs::write(&bad, b"GYRCLOCK, but not a whole one").unwrap();
     refused(folder.path(), &["table", "inspect", "bad.tbl"], &["bad.tbl", "72 bytes", "29"]);
 
@@ -204,6 +206,43 @@ fn uplink_tables() {
     );
     assert_eq!(code, 1, "{error}");
     assert!(error.contains("another mission"), "{error}");
+}
+
+/// A number that the spacecraft would refuse, or that would leave none for later, is not written.
+#[test]
+fn sequence_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let clock = [
+        "table",
+        "clock",
+        "--ticks",
+        "5",
+        "--tick-ns",
+        "1000",
+        "--valid-for",
+        "7d",
+        "--at",
+        "2032-04-01T00:00:00Z",
+    ];
+    let short = ["--duration", "2d"];
+    let verbs = [&["table", "build"][..], &["plan"], &clock];
+    for verb in verbs {
+        let with = |more: &[&'static str]| {
+            let span: &[&str] = if verb == &clock[..] { &[] } else { &short };
+            [verb, span, more].concat()
+        };
+        for (sequence, after, told) in [
+            ("4294967295", "0", "--sequence 4294967295 is not legal: --sequence 1 to 1000 are"),
+            ("4294966296", "0", "--sequence 4294966296 is not legal: --sequence 1 to 1000 are"),
+            ("0", "0", "--sequence 0 is not legal: --sequence 1 to 1000 are"),
+            ("7", "7", "--sequence 7 is not legal: --sequence 8 to 1007 are"),
+            ("1008", "7", "--sequence 1008 is not legal: --sequence 8 to 1007 are"),
+        ] {
+            let arguments = with(&["--sequence", sequence, "--after", after]);
+            refused(folder.path(), &arguments, &[told, "--after"]);
+        }
+        refused(folder.path(), &with(&["--after", "4294967295"]), &["--after 4294967295"]);
+    }
 }
 
 #[test]

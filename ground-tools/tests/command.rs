@@ -390,3 +390,35 @@ fn tables_are_told_apart_and_their_records_written() {
     let set = json(&["table", "inspect", &old, "--json"]);
     assert_eq!(told["to_set_digest"], set["set_digest"]);
 }
+
+/// A replanned spacecraft is the same one whatever its file says, but for its name.
+#[test]
+fn another_spacecraft_s_table_needs_an_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (flown, edited, pico) = (path("flown.tbl"), path("edited.tbl"), path("pico.tbl"));
+    let build = |more: &[&str], out: &str| {
+        stdout(
+            &[&["table", "build", "--start", "2032-04-01T00:00:00 TDB"], more, &["--out", out]]
+                .concat(),
+        );
+    };
+    build(&["--duration", "10d"], &flown);
+    let other = ["--set", "name=\"LiteBIRD replanned\"", "--set", "product.object_name=LITEBIRD"];
+    let spin = ["--set", "scan.spin_period_min=21", "--duration", "20d", "--after", "1"];
+    build(&[&other[..], &spin].concat(), &edited);
+    build(&["--mission", "pico", "--duration", "20d", "--after", "1"], &pico);
+    assert_eq!(json(&["table", "diff", &flown, &edited, "--json"])["accepted"], true);
+    let refused = json(&["table", "diff", &flown, &pico, "--json"]);
+    assert_eq!(refused["accepted"], false);
+    let why = refused["refusal"].as_str().unwrap();
+    assert!(why.contains("another spacecraft's") && why.contains("table change"), "{why}");
+    let order = path("change.tbl");
+    let until = ["--until", "2032-04-20T00:00:00Z", "--out", &order];
+    stdout(&[&["table", "change", &flown, &pico][..], &until].concat());
+    let told = json(&["table", "inspect", &order, "--json"]);
+    let of = |file: &str| json(&["table", "inspect", file, "--json"]);
+    assert_eq!(told["from_spacecraft"], of(&flown)["spacecraft"]);
+    assert_eq!(told["to_spacecraft"], of(&pico)["spacecraft"]);
+    assert_eq!((&told["sequence"], &told["set_digest"]), (&2.into(), &of(&pico)["set_digest"]));
+}

@@ -42,6 +42,7 @@ pub struct Sweep {
 /// # Errors
 /// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
 #[inline(never)]
+// REQ-ATT-1.
 pub fn attitude(
     scan: &ScanStrategy,
     sun: &SunModel<'_>,
@@ -65,6 +66,7 @@ fn spin_in_ecliptic(
 /// # Errors
 /// [`EphemerisError::OutOfSpan`] beyond the Sun's table.
 #[inline(never)]
+// REQ-ATT-1.
 pub fn sweep(
     scan: &ScanStrategy,
     sun: &SunModel<'_>,

@@ -29,6 +29,7 @@ use serde::{Deserialize, Serialize};
 
 /// Angle in radians from a direction to the nearest point of a field of view, 0 inside.
 #[must_use]
+// REQ-AVOID-1.
 pub fn angle_to_field_rad(field: &FieldOfView, direction: Direction<Boresight>) -> f64 {
     field.angle_to_rad(direction)
 }
@@ -83,6 +84,7 @@ impl AvoidanceLimit {
 
     /// Where the body violates the limit for this field of view.
     #[must_use]
+    // REQ-AVOID-1.
     pub fn zone(&self, field: &FieldOfView) -> Zone {
         field.enlarged(self.angle_rad).map_or(Zone::Everywhere, Zone::Inside)
     }
@@ -137,7 +139,7 @@ pub enum AvoidanceStep {
     Searched(Instant),
     /// All channels have reached their end.
     Done,
-    /// A channel (its index) could not be evaluated; the search stands where it was.
+    /// A channel (its index) could not be evaluated; it stands where it was, and the others go on.
     Failed {
         /// Index of the channel.
         channel: usize,
@@ -165,7 +167,8 @@ impl<'c, 'a> AvoidanceFinder<'c, 'a> {
         self.finder.channels()
     }
 
-    /// Advances the channel that is furthest behind, or hands out the next violation.
+    /// Advances the channel that is furthest behind, or hands out the next violation, as
+    /// [`TransitFinder::step`] does.
     ///
     /// At most [`MAX_EVALUATIONS_PER_STEP`](crate::transit::MAX_EVALUATIONS_PER_STEP) evaluations.
     pub fn step(&mut self) -> AvoidanceStep {

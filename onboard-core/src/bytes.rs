@@ -1,6 +1,8 @@
 //! Little-endian fields out of, and into, borrowed bytes, without alignment and without panics.
 
 use crate::convert::index_from_u32;
+use crate::phase::{Phase, Rotor, TurnRate};
+use crate::time::Instant;
 
 /// The `N` bytes at `offset`, if they are there.
 pub(crate) fn field<const N: usize>(bytes: &[u8], offset: usize) -> Option<[u8; N]> {
@@ -35,6 +37,27 @@ pub(crate) fn i64_at(bytes: &[u8], offset: usize) -> Option<i64> {
 /// The little-endian u128 at `offset`.
 pub(crate) fn u128_at(bytes: &[u8], offset: usize) -> Option<u128> {
     field(bytes, offset).map(u128::from_le_bytes)
+}
+
+/// The instant at `offset`, i64 ns of TAI.
+pub(crate) fn instant_at(bytes: &[u8], offset: usize) -> Option<Instant> {
+    i64_at(bytes, offset).map(Instant::from_tai_ns)
+}
+
+/// The rotor at `offset`: rate u128 (2^-128 turn/ns), start phase u64 (2^-64 turn).
+#[inline(never)]
+pub(crate) fn rotor_at(bytes: &[u8], offset: usize) -> Option<Rotor> {
+    Some(Rotor {
+        rate: TurnRate::from_bits(u128_at(bytes, offset)?),
+        start: Phase::from_bits(u64_at(bytes, offset.wrapping_add(16))?),
+    })
+}
+
+/// Writes the rotor at `offset`, as [`rotor_at`] reads it.
+#[inline(never)]
+pub(crate) fn put_rotor(bytes: &mut [u8], offset: usize, rotor: Rotor) {
+    put(bytes, offset, rotor.rate.bits().to_le_bytes());
+    put(bytes, offset.wrapping_add(16), rotor.start.bits().to_le_bytes());
 }
 
 /// The little-endian f64 at `offset`.

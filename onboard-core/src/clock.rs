@@ -13,7 +13,7 @@
 //! | 24..32 | reference, i64 ns of TAI |
 //! | 32..48 | length of a tick, u128 in 2^-64 ns |
 //! | 48..56, 56..64 | valid from and until, i64 ns of TAI |
-//! | 64..68 | zero |
+//! | 64..68 | identity of the spacecraft, u32 |
 //! | 68..72 | CRC-32 of bytes 0..68 |
 //!
 //! Method: integers only, exact to one ns: the tick's length times the signed difference of the
@@ -25,7 +25,7 @@
 use crate::bytes::{field, i64_at, put, u32_at, u64_at, u128_at};
 use crate::convert::{high_half, low_half, signed_from_u64, wide};
 use crate::time::Instant;
-use crate::uplink::checksum;
+use crate::uplink::{SequenceError, check_sequence, checksum};
 
 /// Bytes of a correlation record.
 pub const CLOCK_BYTES: usize = 72;
@@ -36,12 +36,19 @@ const MAGIC: [u8; 8] = *b"GYRCLOCK";
 pub enum ClockError {
     /// The first bytes are not the magic.
     NotACorrelation,
-    /// The CRC does not match, or spare bytes are not zero.
+    /// The CRC does not match.
     Damaged,
     /// A tick of no length, or a validity that ends before it begins.
     Illegal,
-    /// Its sequence number (the first) is not above the active record's (the second).
-    Older(u32, u32),
+    /// Its sequence number does not follow the active record's.
+    Sequence(SequenceError),
+    /// The record is another spacecraft's (identities).
+    OtherSpacecraft {
+        /// The record's.
+        record: u32,
+        /// The one that is flown.
+        flown: u32,
+    },
     /// The counter's time lies before the validity, which begins at this instant.
     NotYetValid(Instant),
     /// The counter's time lies behind the validity, which ended at this instant.
@@ -53,8 +60,10 @@ pub enum ClockError {
 /// How the on-board counter relates to TAI.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ClockCorrelation {
-    /// Grows with every record.
+    /// Grows with every record, by at most [`MAX_SEQUENCE_STEP`](crate::uplink::MAX_SEQUENCE_STEP).
     pub sequence: u32,
+    /// Identity of the spacecraft, as in a container's header.
+    pub spacecraft: u32,
     /// Standard uncertainty at the reference in ns.
     pub uncertainty_ns: u32,
     /// Counter at the reference.
@@ -81,12 +90,13 @@ impl ClockCorrelation {
         }
         let damaged = ClockError::Damaged;
         let covered = bytes.first_chunk::<68>().ok_or(damaged)?;
-        if u32_at(bytes, 68) != Some(checksum(covered)) || u32_at(bytes, 64) != Some(0) {
+        if u32_at(bytes, 68) != Some(checksum(covered)) {
             return Err(damaged);
         }
         let instant = |offset| i64_at(bytes, offset).map(Instant::from_tai_ns).ok_or(damaged);
         let record = Self {
             sequence: u32_at(bytes, 8).ok_or(damaged)?,
+            spacecraft: u32_at(bytes, 64).ok_or(damaged)?,
             uncertainty_ns: u32_at(bytes, 12).ok_or(damaged)?,
             ticks: u64_at(bytes, 16).ok_or(damaged)?,
             at: instant(24)?,
@@ -112,22 +122,24 @@ impl ClockCorrelation {
         put(&mut bytes, 32, self.tick_bits.to_le_bytes());
         put(&mut bytes, 48, self.valid_from.tai_ns().to_le_bytes());
         put(&mut bytes, 56, self.valid_until.tai_ns().to_le_bytes());
+        put(&mut bytes, 64, self.spacecraft.to_le_bytes());
         let crc = bytes.first_chunk::<68>().map_or(0, |covered| checksum(covered));
         put(&mut bytes, 68, crc.to_le_bytes());
         bytes
     }
 
-    /// This record, where it is newer than the one in use.
+    /// This record, where it is that spacecraft's and follows the one in use; without one in use it
+    /// may have any number up to the largest step.
     ///
     /// # Errors
-    /// [`ClockError::Older`].
-    pub fn replacing(self, active: Option<&Self>) -> Result<Self, ClockError> {
-        match active {
-            Some(active) if self.sequence <= active.sequence => {
-                Err(ClockError::Older(self.sequence, active.sequence))
-            }
-            _ => Ok(self),
+    /// [`ClockError::OtherSpacecraft`] or [`ClockError::Sequence`].
+    pub fn replacing(self, active: Option<&Self>, spacecraft: u32) -> Result<Self, ClockError> {
+        if self.spacecraft != spacecraft {
+            return Err(ClockError::OtherSpacecraft { record: self.spacecraft, flown: spacecraft });
         }
+        let newest = active.map(|active| active.sequence);
+        check_sequence(self.sequence, newest).map_err(ClockError::Sequence)?;
+        Ok(self)
     }
 
     /// The TAI instant at which the counter stands at `ticks`, to the ns below.
@@ -135,6 +147,7 @@ impl ClockCorrelation {
     /// # Errors
     /// [`ClockError::Expired`], [`ClockError::NotYetValid`] or [`ClockError::BeyondScale`].
     #[inline(never)]
+    // REQ-CLOCK-1.
     pub fn instant(&self, ticks: u64) -> Result<Instant, ClockError> {
         let beyond = ClockError::BeyondScale;
         let difference = signed_from_u64(ticks.wrapping_sub(self.ticks));
@@ -174,6 +187,7 @@ mod tests {
 
     const RECORD: ClockCorrelation = ClockCorrelation {
         sequence: 3,
+        spacecraft: 8,
         uncertainty_ns: 500,
         ticks: 1_000_000,
         at: Instant::from_tai_ns(5_000_000_000),
@@ -196,6 +210,7 @@ mod tests {
     }
 
     #[test]
+    // REQ-CLOCK-1.
     fn ticks_become_time_both_ways_from_the_reference() {
         let ns = |ticks| RECORD.instant(ticks).map(Instant::tai_ns);
         assert_eq!(ns(1_000_000), Ok(5_000_000_000));
@@ -206,6 +221,7 @@ mod tests {
     }
 
     #[test]
+    // REQ-CLOCK-1.
     fn the_validity_and_the_scale_end() {
         let ends = RECORD.valid_until;
         assert_eq!(RECORD.instant(u64::MAX / 2_000_000), Err(ClockError::Expired(ends)));
@@ -215,11 +231,21 @@ mod tests {
     }
 
     #[test]
-    fn only_a_newer_record_replaces() {
-        assert_eq!(RECORD.replacing(None), Ok(RECORD));
-        assert_eq!(RECORD.replacing(Some(&RECORD)), Err(ClockError::Older(3, 3)));
+    // REQ-NUMBER-1.
+    fn only_the_next_record_of_the_same_spacecraft_replaces() {
+        let sequence = |error| Err(ClockError::Sequence(error));
+        assert_eq!(RECORD.replacing(None, 8), Ok(RECORD));
+        let older = SequenceError::Older { candidate: 3, newest: 3 };
+        assert_eq!(RECORD.replacing(Some(&RECORD), 8), sequence(older));
         let newer = ClockCorrelation { sequence: 4, ..RECORD };
-        assert_eq!(newer.replacing(Some(&RECORD)), Ok(newer));
+        assert_eq!(newer.replacing(Some(&RECORD), 8), Ok(newer));
+        let last = ClockCorrelation { sequence: u32::MAX, ..RECORD };
+        let far = SequenceError::StepTooLarge { candidate: u32::MAX, newest: 3 };
+        assert_eq!(last.replacing(Some(&RECORD), 8), sequence(far));
+        let far = SequenceError::StepTooLarge { candidate: u32::MAX, newest: 0 };
+        assert_eq!(last.replacing(None, 8), sequence(far));
+        let other = ClockError::OtherSpacecraft { record: 8, flown: 9 };
+        assert_eq!(newer.replacing(Some(&RECORD), 9), Err(other));
     }
 
     proptest! {

@@ -140,6 +140,23 @@ pub struct MotionBounds {
     pub max_abs_z: f64,
 }
 
+impl MotionBounds {
+    /// Of what does not move, on the equator.
+    pub const NONE: Self = Self { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 0.0 };
+
+    /// Bounds that hold for both motions: the larger of each two.
+    #[must_use]
+    #[inline(never)]
+    pub fn and(&self, other: &Self) -> Self {
+        let larger = |a: f64, b: f64| if b > a { b } else { a };
+        Self {
+            rate_rad_s: larger(self.rate_rad_s, other.rate_rad_s),
+            acceleration_per_s2: larger(self.acceleration_per_s2, other.acceleration_per_s2),
+            max_abs_z: larger(self.max_abs_z, other.max_abs_z),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

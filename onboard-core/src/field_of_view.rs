@@ -12,6 +12,7 @@
 //!
 //! Limits: radius in (0, pi]; width and height in (0, pi).
 
+use crate::bytes::put;
 use crate::direction::Direction;
 use crate::frame::Boresight;
 use crate::rectangle::Rectangle;
@@ -58,7 +59,31 @@ pub(crate) enum Caps {
     Rectangle([Vector3<f64>; 4]),
 }
 
+/// Bytes that tell one field of view from another.
+pub(crate) const FIELD_BYTES: usize = 80;
+
 impl FieldOfView {
+    /// What tells this field of view from another: centre, sizes, reach, margin, and how it is turned.
+    #[inline(never)]
+    pub(crate) fn to_le_bytes(self) -> [u8; FIELD_BYTES] {
+        let (first, second) = match self.shape {
+            FieldShape::Circle(radius) => (radius, 0.0),
+            FieldShape::Rectangle(width, height) => (width, height),
+        };
+        let axis = match self.caps {
+            Caps::Circle => Vector3::zeros(),
+            Caps::Rectangle([axis, ..]) => axis,
+        };
+        let (centre, sizes) = (self.centre, [first, second, self.reach_rad, self.margin_rad]);
+        let mut bytes = [0; FIELD_BYTES];
+        let mut offset = 0_usize;
+        for number in [centre.x, centre.y, centre.z, axis.x, axis.y, axis.z].iter().chain(&sizes) {
+            put(&mut bytes, offset, number.to_le_bytes());
+            offset = offset.wrapping_add(8);
+        }
+        bytes
+    }
+
     /// The field of view of this shape about the line of sight (z) of `frame`.
     ///
     /// # Errors

@@ -2,7 +2,8 @@
 //!
 //! A [`Forecast`] runs one [`Channel`] per target until each has its next visit, with the
 //! [`Confidence`] that follows from how well the scan's angles are known then. A step does the
-//! bounded work of [`TransitFinder::step`], or evaluates one visit's confidence.
+//! bounded work of [`TransitFinder::step`], or evaluates one visit's confidence. A target that has
+//! its visit is searched no more, so that several targets take as many steps together as one by one.
 //!
 //! Limits: a visit in progress at the search's start counts as the next one.
 
@@ -29,7 +30,7 @@ pub enum ForecastStep {
     Searched(Instant),
     /// Every target has its next visit, or none within its search's span.
     Done,
-    /// A channel (its index) could not be evaluated; the search stands where it was.
+    /// A channel (its index) could not be evaluated; it stands where it was, and the others go on.
     Failed {
         /// Index of the channel.
         channel: usize,
@@ -50,11 +51,29 @@ pub struct Forecast<'c, 'a, 'm> {
 impl<'c, 'a, 'm> Forecast<'c, 'a, 'm> {
     /// A forecast over these channels, one per target; `next` is cleared.
     ///
-    /// Targets beyond the length of `next` are searched but not kept.
+    /// Channels beyond the length of `next` are not searched.
     #[must_use]
     pub fn new(channels: &'c mut [Channel<'a>], next: &'m mut [Option<NextVisit>]) -> Self {
         next.fill(None);
-        Self { finder: TransitFinder::new(channels), next, waiting: None }
+        let finder = TransitFinder::of_first(channels, next.len());
+        Self { finder, next, waiting: None }
+    }
+
+    /// A forecast that goes on from what an earlier one over the same channels left: its `next` and
+    /// its [`Self::waiting`].
+    #[must_use]
+    pub fn resume(
+        channels: &'c mut [Channel<'a>],
+        next: &'m mut [Option<NextVisit>],
+        waiting: Option<Transit>,
+    ) -> Self {
+        Self { finder: TransitFinder::resume(channels), next, waiting }
+    }
+
+    /// The visit whose confidence is still to be evaluated.
+    #[must_use]
+    pub const fn waiting(&self) -> Option<Transit> {
+        self.waiting
     }
 
     /// The next visits known so far, by target.
@@ -65,18 +84,15 @@ impl<'c, 'a, 'm> Forecast<'c, 'a, 'm> {
 
     /// Searches on, or evaluates a visit's confidence; `covariance` is asked for the instant of its
     /// entry, as [`Tracker::covariance_at`](crate::tracking::Tracker::covariance_at) answers.
+    // REQ-FORECAST-1.
     pub fn step(&mut self, covariance: impl FnOnce(Instant) -> ScanCovariance) -> ForecastStep {
         if let Some(transit) = self.waiting.take() {
             return self.judge(transit, &covariance(transit.entry));
         }
-        if !self.next.is_empty() && self.next.iter().all(Option::is_some) {
-            return ForecastStep::Done;
-        }
         match self.finder.step() {
             Step::Transit(transit) => {
-                if matches!(self.next.get(transit.channel), Some(None)) {
-                    self.waiting = Some(transit);
-                }
+                self.finder.retire(transit.channel);
+                self.waiting = Some(transit);
                 ForecastStep::Searched(transit.entry)
             }
             Step::Searched(until) => ForecastStep::Searched(until),
@@ -99,7 +115,7 @@ impl<'c, 'a, 'm> Forecast<'c, 'a, 'm> {
                 ForecastStep::Found(index)
             }
             Err(error) => {
-                self.waiting = Some(transit);
+                self.finder.take_back(transit);
                 ForecastStep::Failed { channel: index, error }
             }
         }

@@ -9,6 +9,7 @@ use crate::time::Instant;
 
 /// The half-wave plate's angle at `at`.
 #[must_use]
+// REQ-ATT-1.
 pub const fn hwp_phase(scan: &ScanStrategy, plate: Rotor, at: Instant) -> Phase {
     plate.phase(scan.elapsed(at))
 }

@@ -19,6 +19,7 @@ use crate::convert::{
 use crate::time::Duration;
 use crate::trigonometry;
 use core::f64::consts::TAU;
+use core::num::NonZeroU64;
 use serde::{Deserialize, Serialize};
 
 /// 2^-64 turn in radians.
@@ -56,7 +57,8 @@ impl Phase {
         Self(bits_from_i64(i64_from_f64(fraction * 9_223_372_036_854_775_808.0)).wrapping_shl(1))
     }
 
-    /// The angle in radians, in [-pi, pi).
+    /// The angle in radians, in [-pi, pi]; pi only where an f64 cannot tell it from the last binary
+    /// step.
     #[must_use]
     pub const fn radians(self) -> f64 {
         f64_from_i64(signed_from_u64(self.0)) * RADIANS_PER_BIT
@@ -107,6 +109,25 @@ impl TurnRate {
         Self(bits)
     }
 
+    /// The rate nearest to `turns` / `seconds` turns per second, negative for the other sense; `None`
+    /// at half a turn per ns or faster.
+    ///
+    /// A period of 192.348 min is 11540.88 s, so 100 turns in 1154088 s.
+    #[must_use]
+    pub const fn from_turns(turns: i64, seconds: NonZeroU64) -> Option<Self> {
+        signed(
+            nearest(turns.unsigned_abs(), wide(seconds.get()).wrapping_mul(1_000_000_000)),
+            turns,
+        )
+    }
+
+    /// The rate nearest to one turn in `period`, negative for the other sense; `None` for 2 ns or less.
+    #[must_use]
+    // REQ-PHASE-1.
+    pub const fn from_period(period: Duration) -> Option<Self> {
+        signed(nearest(1, wide(period.ns().unsigned_abs())), period.ns())
+    }
+
     /// The rate nearest to `radians_per_second` that an f64 can tell; saturates at half a turn per
     /// ns, and NaN gives zero.
     #[must_use]
@@ -153,6 +174,7 @@ impl TurnRate {
 
     /// The angle turned in `elapsed`, modulo one turn.
     #[must_use]
+    // REQ-PHASE-2.
     pub const fn after(self, elapsed: Duration) -> Phase {
         Phase(high_half(self.0.wrapping_mul(wide_bits_from_i64(elapsed.ns()))))
     }
@@ -168,6 +190,41 @@ impl TurnRate {
     }
 }
 
+/// The integer nearest to 2^128 `above` / `below`, halves upwards; `None` unless the quotient is below
+/// 2^127. `below` is at most 2^94.
+#[inline(never)]
+const fn nearest(above: u64, below: u128) -> Option<u128> {
+    let mut rest = wide(above);
+    if rest >= below {
+        return None;
+    }
+    // Long division, a bit at a time: the rest stays below the divisor, its double below 2^95.
+    let mut quotient = 0_u128;
+    let mut bit = 0_u32;
+    while bit < 128 {
+        rest = rest.wrapping_shl(1);
+        quotient = quotient.wrapping_shl(1);
+        if rest >= below {
+            rest = rest.wrapping_sub(below);
+            quotient |= 1;
+        }
+        bit = bit.wrapping_add(1);
+    }
+    if rest.wrapping_shl(1) >= below {
+        quotient = quotient.wrapping_add(1);
+    }
+    if quotient >> 127_u32 == 0 { Some(quotient) } else { None }
+}
+
+/// A rate of this magnitude in the sense of `sign`.
+const fn signed(magnitude: Option<u128>, sign: i64) -> Option<TurnRate> {
+    match magnitude {
+        Some(bits) if sign < 0 => Some(TurnRate(bits.wrapping_neg())),
+        Some(bits) => Some(TurnRate(bits)),
+        None => None,
+    }
+}
+
 /// A uniform rotation: a rate and the angle at the mission's start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Rotor {
@@ -178,6 +235,15 @@ pub struct Rotor {
 }
 
 impl Rotor {
+    /// One turn in `period`, from this angle at elapsed time zero; `None` for 2 ns or less.
+    #[must_use]
+    pub const fn with_period(period: Duration, start: Phase) -> Option<Self> {
+        match TurnRate::from_period(period) {
+            Some(rate) => Some(Self { rate, start }),
+            None => None,
+        }
+    }
+
     /// The angle after `elapsed`.
     #[must_use]
     pub const fn phase(self, elapsed: Duration) -> Phase {
@@ -190,9 +256,48 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// One turn in `ns` nanoseconds, rounded to the nearest representable rate.
-    fn period_ns(ns: u128) -> TurnRate {
-        TurnRate::from_bits((u128::MAX / ns).wrapping_add(u128::from(u128::MAX % ns > ns / 2)))
+    fn period_ns(ns: i64) -> TurnRate {
+        TurnRate::from_period(Duration::from_ns(ns)).unwrap()
+    }
+
+    /// Against Python's integers: `round(2^128 turns / (seconds 10^9))`.
+    #[test]
+    // REQ-PHASE-1.
+    fn rates_from_periods_are_rounded_once() {
+        let turns = |turns, seconds: u64| {
+            TurnRate::from_turns(turns, NonZeroU64::new(seconds).unwrap()).map(TurnRate::bits)
+        };
+        let minutes_192_348 = 29_484_958_419_196_669_878_152_672;
+        assert_eq!(turns(100, 1_154_088), Some(minutes_192_348));
+        assert_eq!(turns(-100, 1_154_088), Some(minutes_192_348.wrapping_neg()));
+        assert_eq!(period_ns(11_540_880_000_000).bits(), minutes_192_348);
+        assert_eq!(period_ns(-11_540_880_000_000).bits(), minutes_192_348.wrapping_neg());
+        assert_eq!(period_ns(1_200_000_000_000).bits(), 283_568_639_100_782_052_886_145_506);
+        assert_eq!(turns(1, 15_778_800), Some(21_565_795_049_112_636_161_392));
+        assert_eq!(turns(61, 60), Some(345_953_739_702_954_104_521_097_517_556));
+        assert_eq!(turns(20_000_000, 1 << 20), Some(6_490_371_073_168_534_535_663_120_411_525));
+        let fast = 166_738_359_791_259_847_097_053_557_641_566_423_613;
+        assert_eq!(turns(490_000_000, 1), Some(fast));
+        assert_eq!(period_ns(i64::MAX).bits(), 36_893_488_147_419_103_236);
+        assert_eq!(turns(1, u64::MAX), Some(18_446_744_074));
+        assert_eq!(turns(i64::MAX, u64::MAX), Some(170_141_183_460_469_231_722_463_931_679));
+        assert_eq!(turns(0, 1), Some(0));
+    }
+
+    #[test]
+    fn rates_that_do_not_fit_are_none() {
+        let one = NonZeroU64::new(1).unwrap();
+        let period = |ns| TurnRate::from_period(Duration::from_ns(ns)).map(TurnRate::bits);
+        assert_eq!(TurnRate::from_turns(500_000_000, one), None);
+        assert_eq!(TurnRate::from_turns(i64::MIN, one), None);
+        assert!(TurnRate::from_turns(499_999_999, one).is_some());
+        assert_eq!([period(0), period(1), period(-2), period(2)], [None; 4]);
+        assert_eq!(period(4), Some(1 << 126));
+        let third = u128::MAX / 3;
+        assert_eq!([period(3), period(-3)], [Some(third), Some(third.wrapping_neg())]);
+        let rotor = Rotor::with_period(Duration::from_ns(4), Phase::from_bits(5)).unwrap();
+        assert_eq!((rotor.rate.bits(), rotor.start.bits()), (1 << 126, 5));
+        assert_eq!(Rotor::with_period(Duration::ZERO, Phase::ZERO), None);
     }
 
     #[test]
@@ -204,6 +309,20 @@ mod tests {
         assert!((sin - 1.0).abs() < 1e-15 && cos.abs() < 1e-15);
         assert!((rate.radians_per_second() - TAU / 1200.0).abs() < 1e-18);
         assert!((rate.reversed().radians_per_second() + TAU / 1200.0).abs() < 1e-18);
+    }
+
+    #[test]
+    fn the_last_binary_steps_round_up_to_the_ends() {
+        use core::f64::consts::PI;
+        let radians = |bits: u64| Phase::from_bits(bits).radians().to_bits();
+        assert_eq!(radians(1 << 63), (-PI).to_bits());
+        assert_eq!(radians((1 << 63) - 1), PI.to_bits());
+        // Half an ulp of 2^63 below, and an ulp.
+        assert_eq!(radians((1 << 63) - 512), PI.to_bits());
+        assert!(Phase::from_bits((1 << 63) - 1_024).radians() < PI);
+        let turns = |bits: u64| Phase::from_bits(bits).turns().to_bits();
+        assert_eq!(turns(u64::MAX), 1.0_f64.to_bits());
+        assert!(Phase::from_bits(u64::MAX - 2_048).turns() < 1.0);
     }
 
     #[test]
@@ -261,6 +380,7 @@ mod tests {
         }
 
         #[test]
+        // REQ-PHASE-2.
         fn going_back_in_time_undoes_a_rotation(rate: u128, ns in -(1_i64 << 60)..(1_i64 << 60)) {
             let rate = TurnRate::from_bits(rate);
             let there = rate.after(Duration::from_ns(ns));

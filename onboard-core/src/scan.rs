@@ -12,6 +12,7 @@
 //!
 //! Limits: alpha, beta in [0, pi] and alpha + beta at most pi; rates must not be zero.
 
+use crate::bytes::{f64_at, instant_at, put, put_rotor, rotor_at};
 use crate::frame::{AntiSun, Boresight, Spin};
 use crate::phase::{Phase, Rotor, TurnRate};
 use crate::rotation::Rotation;
@@ -61,7 +62,34 @@ pub struct ScanStrategy {
     rates_rad_s: (f64, f64),
 }
 
+/// Bytes of [`ScanParameters`] in tables and records.
+pub(crate) const SCAN_BYTES: usize = 72;
+
 impl ScanParameters {
+    /// The parameters' bytes: start, i64 ns of TAI; alpha, beta, f64; precession and spin, rotors.
+    #[inline(never)]
+    pub(crate) fn to_le_bytes(self) -> [u8; SCAN_BYTES] {
+        let mut bytes = [0; SCAN_BYTES];
+        put(&mut bytes, 0, self.start.tai_ns().to_le_bytes());
+        put(&mut bytes, 8, self.alpha_rad.to_le_bytes());
+        put(&mut bytes, 16, self.beta_rad.to_le_bytes());
+        put_rotor(&mut bytes, 24, self.precession);
+        put_rotor(&mut bytes, 48, self.spin);
+        bytes
+    }
+
+    /// The parameters in the first bytes, legal or not.
+    #[inline(never)]
+    pub(crate) fn from_le_bytes(bytes: &[u8]) -> Option<Self> {
+        Some(Self {
+            start: instant_at(bytes, 0)?,
+            alpha_rad: f64_at(bytes, 8)?,
+            beta_rad: f64_at(bytes, 16)?,
+            precession: rotor_at(bytes, 24)?,
+            spin: rotor_at(bytes, 48)?,
+        })
+    }
+
     /// No motion; not a legal strategy.
     pub(crate) const STILL: Self = {
         let still = Rotor { rate: TurnRate::from_bits(0), start: Phase::ZERO };

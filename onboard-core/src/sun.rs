@@ -49,6 +49,21 @@ impl SunModel<'_> {
         }
     }
 
+    /// As [`Self::state`], with the instant up to which the bounds hold without a break.
+    ///
+    /// # Errors
+    /// [`EphemerisError::OutOfSpan`] beyond the table.
+    pub(crate) fn state_until(
+        &self,
+        start: Instant,
+        at: Instant,
+    ) -> Result<(DirectionState<Ecliptic>, Instant), EphemerisError> {
+        match self {
+            Self::Circular(_) => Ok((self.state(start, at)?, Instant::from_tai_ns(i64::MAX))),
+            Self::Table(body) => body.state_until(at),
+        }
+    }
+
     /// The direction of [`Self::state`] alone.
     pub(crate) fn direction(
         &self,

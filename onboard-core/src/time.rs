@@ -36,12 +36,14 @@ impl Instant {
 
     /// Time from `earlier` to this instant; saturates beyond 292 years.
     #[must_use]
+    // REQ-TIME-1.
     pub const fn since(self, earlier: Self) -> Duration {
         Duration(self.0.saturating_sub(earlier.0))
     }
 
     /// This instant moved by `span`; saturates at the ends of the scale.
     #[must_use]
+    // REQ-TIME-1.
     pub const fn plus(self, span: Duration) -> Self {
         Self(self.0.saturating_add(span.0))
     }
@@ -65,6 +67,7 @@ impl Duration {
 
     /// The span nearest to `seconds`; saturates, and NaN gives zero.
     #[must_use]
+    #[cfg_attr(target_os = "none", inline(never))] // Rounding is long in software.
     pub fn from_seconds(seconds: f64) -> Self {
         Self(i64_from_f64(libm::round(seconds * 1e9)))
     }
@@ -87,6 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
+    // REQ-TIME-1.
     fn differences_are_exact_and_saturate() {
         let a = Instant::from_tai_ns(1_017_921_637_000_000_001);
         let b = a.plus(Duration::from_ns(94_672_799_947_000_000));

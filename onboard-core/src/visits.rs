@@ -1,6 +1,6 @@
 //! How often is each target visited, for how long, and after what pause again.
 //!
-//! A [`VisitLog`] takes transits in order of entry and keeps, per target, counts, sums and
+//! A [`VisitLog`] takes each target's transits in order of entry and keeps, per target, counts, sums and
 //! histograms of dwell (exit less entry), revisit (next entry less entry) and gap (next entry less
 //! exit) in lent memory. [`Forecast`](crate::forecast::Forecast) has the next visits.
 //!
@@ -12,6 +12,7 @@
 //! a target three of them and at most 80 bytes more, a log 128 bytes beside its targets
 //! (`tests/tests/visits.rs`).
 
+use crate::bytes::put;
 use crate::convert::{f64_from_u64, i64_from_f64};
 use crate::time::{Duration, Instant};
 use crate::transit::Transit;
@@ -44,19 +45,31 @@ pub enum BinsError {
 
 /// Where a value falls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Slot {
+pub enum HistogramBin {
     /// Below the first bin, or not a number.
-    Under,
+    Underflow,
     /// In the bin of this index.
     Bin(usize),
     /// At or above the end of the last bin.
-    Over,
+    Overflow,
 }
 
 /// Shortest lower end of logarithmic bins in seconds: the resolution of time.
 const SHORTEST_LOW_S: f64 = 1e-9;
 
+/// Bytes of a [`Bins`] in a record.
+const BINS_BYTES: usize = 17;
+
 impl Bins {
+    /// Spacing and ends as bytes.
+    pub(crate) fn to_le_bytes(self) -> [u8; BINS_BYTES] {
+        let mut bytes = [0; BINS_BYTES];
+        put(&mut bytes, 0, self.low_s.to_le_bytes());
+        put(&mut bytes, 8, self.high_s.to_le_bytes());
+        put(&mut bytes, 16, [u8::from(self.spacing == Spacing::Logarithmic)]);
+        bytes
+    }
+
     /// Bins from `low_s` to `high_s` in seconds.
     ///
     /// # Errors
@@ -96,12 +109,12 @@ impl Bins {
     /// Where `seconds` falls among `count` bins.
     #[must_use]
     #[inline(never)]
-    pub fn slot(&self, seconds: f64, count: usize) -> Slot {
+    pub fn bin(&self, seconds: f64, count: usize) -> HistogramBin {
         if seconds >= self.high_s {
-            return Slot::Over;
+            return HistogramBin::Overflow;
         }
         if seconds < self.low_s || seconds.is_nan() || count == 0 {
-            return Slot::Under;
+            return HistogramBin::Underflow;
         }
         let share = match self.spacing {
             Spacing::Linear => (seconds - self.low_s) / (self.high_s - self.low_s),
@@ -113,11 +126,11 @@ impl Bins {
         let guess = usize::try_from(i64_from_f64(share * real(count))).unwrap_or(0).min(last);
         // Rounding may miss by one; the edges decide.
         if seconds < self.edge_s(guess, count) {
-            Slot::Bin(guess.saturating_sub(1))
+            HistogramBin::Bin(guess.saturating_sub(1))
         } else if guess < last && seconds >= self.edge_s(guess.saturating_add(1), count) {
-            Slot::Bin(guess.saturating_add(1))
+            HistogramBin::Bin(guess.saturating_add(1))
         } else {
-            Slot::Bin(guess)
+            HistogramBin::Bin(guess)
         }
     }
 }
@@ -139,13 +152,13 @@ pub struct Histogram<const BINS: usize> {
 }
 
 impl<const BINS: usize> Histogram<BINS> {
-    const EMPTY: Self = Self { counts: [0; BINS], under: 0, over: 0 };
+    pub(crate) const EMPTY: Self = Self { counts: [0; BINS], under: 0, over: 0 };
 
     fn count(&mut self, bins: &Bins, value: Duration) {
-        let counter = match bins.slot(value.seconds(), BINS) {
-            Slot::Under => &mut self.under,
-            Slot::Over => &mut self.over,
-            Slot::Bin(index) => match self.counts.get_mut(index) {
+        let counter = match bins.bin(value.seconds(), BINS) {
+            HistogramBin::Underflow => &mut self.under,
+            HistogramBin::Overflow => &mut self.over,
+            HistogramBin::Bin(index) => match self.counts.get_mut(index) {
                 Some(counter) => counter,
                 None => return,
             },
@@ -261,11 +274,12 @@ pub enum VisitError {
         /// Exit.
         exit: Instant,
     },
-    /// The entry lies before one that was taken already, of any target.
+    /// The entry lies before one of the same target that was taken already. Targets do not wait for
+    /// each other: one whose tables ended early is searched, and counted, later.
     OutOfOrder {
         /// Entry.
         entry: Instant,
-        /// Latest entry taken.
+        /// The target's latest entry taken.
         latest: Instant,
     },
     /// The entry lies before the same target's last exit.
@@ -282,22 +296,22 @@ pub enum VisitError {
 pub struct VisitLog<'m, const BINS: usize> {
     targets: &'m mut [TargetVisits<BINS>],
     divisions: Divisions,
-    latest: Option<Instant>,
 }
 
 impl<'m, const BINS: usize> VisitLog<'m, BINS> {
     /// A log that goes on from what the memory holds: [`TargetVisits::EMPTY`] for each target, or
-    /// what an earlier log with the same divisions left there.
+    /// what an earlier log with the same divisions left there
+    /// ([`TargetVisits::to_record`], [`TargetVisits::from_record`]).
     #[must_use]
-    pub fn new(divisions: &Divisions, targets: &'m mut [TargetVisits<BINS>]) -> Self {
-        let latest = targets.iter().filter_map(|it| it.last.map(|last| last.entry)).max();
-        Self { targets, divisions: *divisions, latest }
+    pub const fn new(divisions: &Divisions, targets: &'m mut [TargetVisits<BINS>]) -> Self {
+        Self { targets, divisions: *divisions }
     }
 
     /// Counts a visit; a refused one leaves the log as it was.
     ///
     /// # Errors
     /// [`VisitError`].
+    // REQ-VISIT-1.
     pub fn record(&mut self, target: usize, transit: &Transit) -> Result<(), VisitError> {
         let (entry, exit) = (transit.entry, transit.exit);
         let Some(visits) = self.targets.get_mut(target) else {
@@ -306,18 +320,15 @@ impl<'m, const BINS: usize> VisitLog<'m, BINS> {
         if exit < entry {
             return Err(VisitError::Reversed { entry, exit });
         }
-        if let Some(latest) = self.latest
-            && entry < latest
-        {
-            return Err(VisitError::OutOfOrder { entry, latest });
-        }
-        if let Some(last) = visits.last
-            && entry < last.exit
-        {
-            return Err(VisitError::Overlap { entry, exit: last.exit });
+        if let Some(last) = visits.last {
+            if entry < last.entry {
+                return Err(VisitError::OutOfOrder { entry, latest: last.entry });
+            }
+            if entry < last.exit {
+                return Err(VisitError::Overlap { entry, exit: last.exit });
+            }
         }
         visits.add(transit, &self.divisions);
-        self.latest = Some(entry);
         Ok(())
     }
 

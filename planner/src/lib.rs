@@ -6,7 +6,8 @@
 //!
 //! Modules stand in the order that data flows. A [`mission::Mission`] becomes a [`world::World`]: the
 //! mission among the planets. From it follow [`constraints`], [`visits`] and a [`survey`] with its
-//! [`mapmaking`]; [`opportunities`], what each is [`worth`], a [`schedule`] by integer
+//! [`mapmaking`]; [`opportunities`], which of them the spacecraft would begin ([`onboard`]), what each is
+//! [`worth`], a [`schedule`] by integer
 //! [`program`]ming, and all of these in one call: a [`plan`]. [`resonance`] judges the periods,
 //! [`history_fit`] the attitudes that were flown.
 //!
@@ -35,6 +36,7 @@ pub mod provenance;
 pub mod constraints;
 pub mod visits;
 pub mod opportunities;
+pub mod onboard;
 pub mod worth;
 mod conic;
 pub mod program;

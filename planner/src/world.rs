@@ -136,6 +136,9 @@ fn told(error: EphemerisError) -> String {
     match error {
         EphemerisError::WrongLength => "the table's length contradicts its counts".to_owned(),
         EphemerisError::BadSpan(index) => format!("span {index} of the table is illegal"),
+        EphemerisError::BadBody(index) => {
+            format!("body record {index} of the table is not that of its spans")
+        }
         EphemerisError::BadCoefficient(index) => {
             format!("coefficient {index} of the table is not finite")
         }

@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # Makes, from Debian packages alone, what the checks on a Cortex-M need: a Rust compiler with core
-# for thumbv7em-none-eabihf and riscv32imac-unknown-none-elf, lld, binutils for Arm, and QEMU.
+# for thumbv7em-none-eabihf and riscv32imac-unknown-none-elf, lld, binutils and a C compiler for Arm,
+# and QEMU.
 #
 #   tests/firmware/toolchain.sh [TOOLDIR]      TOOLDIR: default target/thumb of the repository
 #
 # Packages are unpacked in TOOLDIR, not installed. TOOLDIR then holds rustc, qemu-system-arm,
-# arm-none-eabi-objdump and arm-none-eabi-size; core is compiled with its stack sizes. A second run
+# arm-none-eabi-gcc, -objdump and -size; core is compiled with its stack sizes. A second run
 # returns at once. Needs Debian 12 or later, root or fresh package lists, and cargo.
 #
 # With rustup none of this is needed: `rustup target add thumbv7em-none-eabihf
-# riscv32imac-unknown-none-elf`, and qemu-system-arm and binutils-arm-none-eabi from the system.
+# riscv32imac-unknown-none-elf`, and qemu-system-arm and gcc-arm-none-eabi from the system.
 set -euo pipefail
 script=$(realpath "$0")
 tools=$(realpath -m "${1:-$(dirname "$script")/../../target/thumb}")
@@ -24,7 +25,7 @@ fi
 
 fail() {
     echo "toolchain: $1" >&2
-    echo "toolchain: with rustup instead: rustup target add ${targets[*]}; and install qemu-system-arm and binutils-arm-none-eabi" >&2
+    echo "toolchain: with rustup instead: rustup target add ${targets[*]}; and install qemu-system-arm and gcc-arm-none-eabi" >&2
     exit 1
 }
 
@@ -57,8 +58,9 @@ depends() {
 }
 std=$(depends libstd-rust-web-dev '^libstd-rust-web-')
 lld=$(depends lld '^lld-[0-9]+$')
-packages=(rustc-web rust-web-src libstd-rust-web-dev "$std" "$lld" qemu-system-arm binutils-arm-none-eabi)
-missing=$(apt-get install -s --no-install-recommends "$std" "$lld" qemu-system-arm binutils-arm-none-eabi |
+packages=(rustc-web rust-web-src libstd-rust-web-dev "$std" "$lld" qemu-system-arm binutils-arm-none-eabi
+    gcc-arm-none-eabi)
+missing=$(apt-get install -s --no-install-recommends "$std" "$lld" qemu-system-arm gcc-arm-none-eabi |
     awk '$1 == "Inst" { print $2 }')
 mapfile -t packages < <(printf '%s\n' "${packages[@]}" $missing | sort -u)
 echo "toolchain: ${#packages[@]} Debian packages to $tools"
@@ -76,7 +78,7 @@ wrap() {
     printf '#!/bin/sh\nLD_LIBRARY_PATH=%s exec %s "$@"\n' "${libraries#:}" "$2" >"$1"
     chmod +x "$1"
 }
-for program in rustc qemu-system-arm arm-none-eabi-objdump arm-none-eabi-size; do
+for program in rustc qemu-system-arm arm-none-eabi-gcc arm-none-eabi-objdump arm-none-eabi-size; do
     wrap "$tools/$program" "$tools/packages/usr/bin/$program"
 done
 host=$("$tools/rustc" -vV | sed -n 's/^host: //p')

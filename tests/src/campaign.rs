@@ -86,6 +86,7 @@ pub fn uplink(sequence: u32, sessions: &[SessionRecord]) -> Vec<u8> {
         valid_from: Instant::from_tai_ns(0),
         valid_until: Instant::from_tai_ns(21 * DAY),
         mission_digest: [0; 16],
+        spacecraft: 1,
     };
     container(
         &header,
@@ -100,6 +101,7 @@ pub fn uplink(sequence: u32, sessions: &[SessionRecord]) -> Vec<u8> {
 /// A tick of one microsecond, counted from 1000 at the mission's start.
 pub const CLOCK: ClockCorrelation = ClockCorrelation {
     sequence: 1,
+    spacecraft: 1,
     uncertainty_ns: 0,
     ticks: 1000,
     at: Instant::from_tai_ns(0),
@@ -115,6 +117,7 @@ pub const SETTINGS: Settings = Settings {
     passes_tolerance: 0,
     longest_gap: Duration::from_ns(20 * SECOND),
     check_ahead: Duration::from_ns(3600 * SECOND),
+    recheck_rad: 1e-3,
     steps_per_tick: 8,
 };
 

@@ -6,19 +6,21 @@ pub mod attitudes;
 pub mod stack;
 
 use onboard_core::direction::MotionBounds;
-use onboard_core::ephemeris::Span;
+use onboard_core::ephemeris::{BodyRecord, Span, table_header};
 use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::scan::{ScanParameters, ScanStrategy};
-use onboard_core::time::Instant;
+use onboard_core::time::{Duration, Instant};
 use onboard_core::transit::{Channel, MAX_EVALUATIONS_PER_STEP, Step, Transit, TransitFinder};
 use std::num::NonZeroU64;
 
-/// The rate of one turn in `period_ns`, rounded to the nearest 2^-128 turn/ns.
+/// The rate of one turn in `period_ns`.
+///
+/// # Panics
+/// For a period of 2 ns or less, or beyond 292 years.
 #[must_use]
 pub fn turn_rate(period_ns: u64, sign: i8) -> TurnRate {
-    let period = u128::from(period_ns);
-    let (quotient, rest) = (u128::MAX / period, u128::MAX % period + 1);
-    let rate = TurnRate::from_bits(quotient + u128::from(rest * 2 >= period));
+    let period = Duration::from_ns(i64::try_from(period_ns).expect("a short period"));
+    let rate = TurnRate::from_period(period).expect("a slow rotation");
     if sign < 0 { rate.reversed() } else { rate }
 }
 
@@ -117,15 +119,35 @@ pub fn transits(channels: &mut [Channel<'_>]) -> Vec<Transit> {
     }
 }
 
-/// The bytes of a table with one body that moves on Chebyshev series given per granule.
-///
-/// # Panics
-/// When a granule is empty or too long for the format.
-#[must_use]
-pub fn table(body: i32, start_ns: i64, granule_ns: u64, granules: &[Vec<[f64; 3]>]) -> Vec<u8> {
-    let orders = granules[0].len();
-    // Sums over the series bound the motion of p: |T_k'| <= k^2, |T_k''| <= k^2 (k^2 - 1) / 3. The
-    // direction p/|p| moves at most at |p'|/|p|, with |p''|/|p| + 3 (|p'|/|p|)^2.
+/// One span of a body: granules of equal length, each a Chebyshev series.
+#[derive(Debug, Clone)]
+pub struct Piece {
+    /// Start of the first granule, ns.
+    pub start_ns: i64,
+    /// Length of a granule, ns.
+    pub granule_ns: u64,
+    /// Series per granule.
+    pub granules: Vec<Vec<[f64; 3]>>,
+}
+
+impl Piece {
+    /// The span record with bounds on the motion, its coefficients at `first`.
+    fn span(&self, body: i32, first: usize) -> Span {
+        Span {
+            body,
+            coefficients: u16::try_from(self.granules[0].len()).expect("few orders"),
+            granules: u32::try_from(self.granules.len()).expect("few granules"),
+            first: u32::try_from(first).expect("few numbers"),
+            start: Instant::from_tai_ns(self.start_ns),
+            granule_ns: NonZeroU64::new(self.granule_ns).expect("a length"),
+            bounds: bounds(&self.granules, self.granule_ns),
+        }
+    }
+}
+
+/// Sums over the series bound the motion of p: `|T_k'| <= k^2`, `|T_k''| <= k^2 (k^2 - 1) / 3`. The
+/// direction `p/|p|` moves at most at `|p'|/|p|`, with `|p''|/|p| + 3 (|p'|/|p|)^2`.
+fn bounds(granules: &[Vec<[f64; 3]>], granule_ns: u64) -> MotionBounds {
     let per_second = 2.0e9 / granule_ns as f64;
     let mut bounds = MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 0.0 };
     for granule in granules {
@@ -146,23 +168,37 @@ pub fn table(body: i32, start_ns: i64, granule_ns: u64, granules: &[Vec<[f64; 3]
         bounds.acceleration_per_s2 = bounds.acceleration_per_s2.max(acceleration * 1.001);
         bounds.max_abs_z = bounds.max_abs_z.max((z / shortest).min(1.0));
     }
-    let span = Span {
-        body,
-        coefficients: u16::try_from(orders).expect("few orders"),
-        granules: u32::try_from(granules.len()).expect("few granules"),
-        first: 0,
-        start: Instant::from_tai_ns(start_ns),
-        granule_ns: NonZeroU64::new(granule_ns).expect("a length"),
-        bounds,
-    };
-    let numbers = u32::try_from(granules.len() * orders * 3).expect("few numbers");
-    let mut bytes = Vec::new();
-    bytes.extend(1_u32.to_le_bytes());
-    bytes.extend(numbers.to_le_bytes());
-    bytes.extend(span.to_le_bytes());
-    for number in granules.iter().flatten().flatten() {
-        bytes.extend(number.to_le_bytes());
+    bounds
+}
+
+/// The bytes of a table with one body that moves on Chebyshev series given per granule.
+///
+/// # Panics
+/// When a granule is empty or too long for the format.
+#[must_use]
+pub fn table(body: i32, start_ns: i64, granule_ns: u64, granules: &[Vec<[f64; 3]>]) -> Vec<u8> {
+    table_of(body, &[Piece { start_ns, granule_ns, granules: granules.to_vec() }])
+}
+
+/// The bytes of a table with one body of several spans.
+///
+/// # Panics
+/// When a granule is empty or too long for the format.
+#[must_use]
+pub fn table_of(body: i32, pieces: &[Piece]) -> Vec<u8> {
+    let (mut records, mut numbers) = (Vec::new(), Vec::<f64>::new());
+    for piece in pieces {
+        records.extend(piece.span(body, numbers.len()).to_le_bytes());
+        numbers.extend(piece.granules.iter().flatten().flatten());
     }
+    let spans = u32::try_from(pieces.len()).expect("few spans");
+    let count = u32::try_from(numbers.len()).expect("few numbers");
+    let own = pieces.iter().map(|piece| bounds(&piece.granules, piece.granule_ns));
+    let bounds = own.fold(MotionBounds::NONE, |largest, own| largest.and(&own));
+    let mut bytes = table_header(1, spans, count).to_vec();
+    bytes.extend(BodyRecord { body, spans, first: 0, bounds }.to_le_bytes());
+    bytes.extend(records);
+    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
     bytes
 }
 

@@ -3,8 +3,9 @@
 use crate::Plain;
 use onboard_core::phase::Rotor;
 use onboard_core::uplink::{
-    Counts, DIGEST_BYTES, ENTRY_BYTES, HEADER_BYTES, Header, MissionTable, SectionKind,
-    SessionRecord, SetDigest, SunRecord, TelescopeRecord, checksum, entry_to_le_bytes,
+    Container, Counts, DIGEST_BYTES, ENTRY_BYTES, FlashOperation, HEADER_BYTES, Header,
+    MissionTable, SectionKind, SessionRecord, SetDigest, Slot, SunRecord, TelescopeRecord,
+    WORD_BYTES, checksum, committed_head, entry_to_le_bytes, slot_bytes,
 };
 
 /// The bytes of a container with these contents.
@@ -34,6 +35,34 @@ pub fn container(header: &Header, contents: &[(SectionKind, &[u8])]) -> Vec<u8> 
     let length = short(first + sections.len());
     let head = header.to_le_bytes(length, count, checksum(&directory));
     [&head[..], &directory, &sections].concat()
+}
+
+/// Carries an operation out on two slots in memory.
+///
+/// # Panics
+/// When a slot is too short.
+pub fn carry_out(operation: FlashOperation, [a, b]: [&mut [u8]; 2]) {
+    match operation {
+        FlashOperation::Erase(Slot::A) => a.fill(0xff),
+        FlashOperation::Erase(Slot::B) => b.fill(0xff),
+        FlashOperation::Program { slot, offset, word } => {
+            let bytes = if slot == Slot::A { a } else { b };
+            bytes[offset..offset + WORD_BYTES].copy_from_slice(&word);
+        }
+    }
+}
+
+/// A slot with this container, committed.
+///
+/// # Panics
+/// When it is not sound.
+#[must_use]
+pub fn slot_with(container: &[u8]) -> Vec<u8> {
+    let whole = Container::parse(container).expect("a sound container");
+    let mut slot = committed_head(&whole).to_vec();
+    slot.extend(container);
+    slot.resize(slot_bytes(container.len()).expect("a short container"), 0xff);
+    slot
 }
 
 /// The contents of a mission section with the circular Sun and telescopes without detectors.

@@ -42,6 +42,7 @@ fn difference(a: f64, b: f64) -> f64 {
 }
 
 #[test]
+// REQ-ATT-1.
 fn directions_angles_and_plate_match_fifty_digits() {
     let reference: Value =
         serde_json::from_str(include_str!("../data/pointing_exact.json")).unwrap();

@@ -211,6 +211,7 @@ fn a_circle_against_the_moon() {
 }
 
 #[test]
+// REQ-AVOID-1.
 fn a_focal_plane_against_the_moon() {
     let field = rectangle(18.0, 8.0);
     assert!(run(&moon(), 301, &field, &[0.05, 1.0, 5.0, 30.0, 70.0, 89.9, 90.1, 110.0]) > 2_000);
@@ -231,6 +232,7 @@ fn sun_and_earth() {
 }
 
 #[test]
+// REQ-AVOID-1.
 fn the_angle_to_a_rectangle_is_that_to_its_nearest_point() {
     let mut noise = Noise::new(3);
     for (width, height) in [(18.0, 8.0), (1.0, 170.0), (120.0, 90.0), (0.01, 0.02), (175.0, 175.0)]

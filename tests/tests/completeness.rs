@@ -3,6 +3,8 @@
 //! The oracle shares nothing with the finder but the attitude: it samples the separation at a
 //! hundredth of the longest dwell wherever the line of sight comes near, finds every minimum and
 //! narrows it down.
+//!
+//! Requirements: REQ-TRANSIT-1.
 
 use onboard_core::attitude::attitude;
 use onboard_core::detector::detector_at;

@@ -49,11 +49,15 @@ fn versions(lock: &str) -> BTreeMap<String, Vec<String>> {
 }
 
 #[test]
-fn probe_firmware_and_fuzz_link_the_same_arithmetic() {
+fn what_stands_apart_links_the_same_arithmetic() {
     let ours = versions("Cargo.lock");
-    for lock in
-        ["tests/link-probe/Cargo.lock", "tests/firmware/Cargo.lock", "tests/fuzz/Cargo.lock"]
-    {
+    for lock in [
+        "onboard-core/c/Cargo.lock",
+        "tests/link-probe/Cargo.lock",
+        "tests/firmware/Cargo.lock",
+        "tests/fuzz/Cargo.lock",
+        "tests/rtos/Cargo.lock",
+    ] {
         let theirs = versions(lock);
         for name in ["nalgebra", "libm", "heapless", "crc", "serde", "simba", "num-traits"] {
             let found = theirs.get(name).unwrap_or_else(|| panic!("{name} is not in {lock}"));

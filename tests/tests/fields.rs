@@ -8,7 +8,8 @@ use onboard_core::phase::{Phase, Rotor};
 use onboard_core::rotation::Rotation;
 use onboard_core::sun::SunModel;
 use onboard_core::time::Instant;
-use onboard_core::transit::{Channel, Step, Transit, TransitFinder};
+use onboard_core::transit::{Channel, SearchOrigin, SearchState, Step, Transit, TransitFinder};
+use onboard_core::uplink::Header;
 use tests::{Noise, Plain, table, transits, turn_rate};
 
 const DAY_NS: i64 = 86_400_000_000_000;
@@ -69,6 +70,7 @@ fn circle(degrees: f64) -> FieldOfView {
 const TARGET: [f64; 3] = [0.6, 0.8, 0.01];
 
 #[test]
+// REQ-TRANSIT-1.
 fn focal_planes() {
     let tilted = Rotation::<Telescope, Boresight>::about_z(0.3)
         .then(Rotation::<Boresight, Boresight>::about_x(0.1));
@@ -79,6 +81,54 @@ fn focal_planes() {
     assert!(check(Plain::LITEBIRD, &circle(14.0), TARGET, 60).len() > 100);
     let huge = FieldOfView::rectangle(tilted, 3.0, 2.0).unwrap();
     check(Plain::LITEBIRD, &huge, TARGET, 30);
+}
+
+#[test]
+// REQ-TRANSIT-5.
+fn the_closest_approach_in_a_rectangle_is_that_of_dense_sampling() {
+    let tilted = Rotation::<Telescope, Boresight>::about_z(0.3)
+        .then(Rotation::<Boresight, Boresight>::about_x(0.1));
+    let lft = FieldOfView::rectangle(tilted, 18.0_f64.to_radians(), 8.0_f64.to_radians()).unwrap();
+    // An arcsecond's hundredth.
+    let allowed_rad = 0.01 / 3600.0 * std::f64::consts::PI / 180.0;
+    let mut at_an_edge = 0;
+    for (plain, days) in [(Plain::LITEBIRD, 400), (Plain::PLANCK, 60)] {
+        let (scan, end_ns) = (plain.strategy(), days * DAY_NS);
+        let track = vec![TARGET, [2e-3, -1e-3, 1e-3], [0.0, 1e-3, 1e-3]];
+        let bytes = table(5, 0, end_ns.unsigned_abs(), &[track]);
+        let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
+        let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(end_ns));
+        let separation = |ns: i64| {
+            let at = Instant::from_tai_ns(ns);
+            let look = attitude(&scan, &sun(), at).unwrap();
+            let seen = look.inverse().apply(body.state(at).unwrap().direction);
+            lft.centre().separation_rad(seen)
+        };
+        let found = transits(&mut [Channel::new(&scan, sun(), body, &lft, span)]);
+        assert!(found.len() > 500, "{}", found.len());
+        for transit in &found {
+            let (entry, exit) = (transit.entry.tai_ns(), transit.exit.tai_ns());
+            let step = (exit - entry) / 64 + 1;
+            let sampled = (0..=64).map(|k| (entry + k * step).min(exit));
+            let least = sampled.min_by(|a, b| separation(*a).total_cmp(&separation(*b))).unwrap();
+            let (mut low, mut high) = ((least - step).max(entry), (least + step).min(exit));
+            while high - low > 2 {
+                let third = (high - low) / 3;
+                if separation(low + third) < separation(high - third) {
+                    high -= third.max(1);
+                } else {
+                    low += third.max(1);
+                }
+            }
+            let dense = (low..=high).map(separation).fold(f64::INFINITY, f64::min);
+            let off = transit.min_separation_rad - dense;
+            assert!(off.abs() < allowed_rad, "{off:e} rad: {transit:?}");
+            let stated = separation(transit.closest.tai_ns()) - transit.min_separation_rad;
+            assert!(stated.abs() < 1e-12, "{stated:e} rad: {transit:?}");
+            at_an_edge += u32::from([transit.entry, transit.exit].contains(&transit.closest));
+        }
+    }
+    assert!(at_an_edge > 50, "{at_an_edge}");
 }
 
 #[test]
@@ -115,11 +165,20 @@ fn angles_at_their_limits() {
 }
 
 #[test]
+// REQ-TRANSIT-8.
 fn resuming_a_saved_state_gives_the_same_bits() {
     let bytes = table(5, 0, 30 * DAY_NS as u64, &[vec![TARGET]]);
     let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
     let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(30 * DAY_NS));
     let fresh = || Channel::new(&Plain::LITEBIRD.strategy(), sun(), body, &circle(3.0), span);
+    let header = Header {
+        sequence: 1,
+        valid_from: span.0,
+        valid_until: span.1,
+        mission_digest: [0; 16],
+        spacecraft: 1,
+    };
+    let origin = SearchOrigin::new(&header, 0, &Plain::LITEBIRD.strategy(), &circle(3.0), 5);
     let whole = transits(&mut [fresh()]);
     assert!(whole.len() > 20);
     for steps in [1, 10, 100, 777] {
@@ -131,9 +190,9 @@ fn resuming_a_saved_state_gives_the_same_bits() {
                 found.push(transit);
             }
         }
-        let saved = serde_json::to_string(&first[0].state()).unwrap();
+        let saved = first[0].state().to_le_bytes(&origin);
         let mut second = [fresh()];
-        second[0].resume(serde_json::from_str(&saved).unwrap());
+        second[0].resume(SearchState::from_le_bytes(&saved, &origin).unwrap());
         found.extend(transits(&mut second));
         assert_eq!(found, whole, "after {steps} steps");
     }
@@ -158,6 +217,55 @@ fn channels_come_out_in_order_of_entry_then_channel() {
             .collect();
         assert_eq!(alone, same);
     }
+}
+
+#[test]
+// REQ-TRANSIT-4.
+fn near_equal_entries_come_out_in_order_and_never_before_the_frontier() {
+    let end_ns = 1096 * DAY_NS;
+    let span = (Instant::from_tai_ns(0), Instant::from_tai_ns(end_ns));
+    let scan = Plain::LITEBIRD.strategy();
+    let mut noise = Noise::new(23);
+    let (mut near, mut closest_ns) = (0, i64::MAX);
+    for pair in 0..16 {
+        let apart_rad = 10.0_f64.powi(-6 - pair % 5);
+        let target = [noise.signed(), noise.signed(), 0.2 * noise.signed()];
+        let tables = [0.0, apart_rad].map(|by| {
+            let moved = [target[0] + by, target[1] - by, target[2] + by];
+            table(5, 0, end_ns.unsigned_abs(), &[vec![moved]])
+        });
+        let mut channels: Vec<_> = tables
+            .iter()
+            .map(|bytes| {
+                let body = EphemerisTable::parse(bytes).unwrap().body(5).unwrap();
+                Channel::new(&scan, sun(), body, &circle(1.0), span)
+            })
+            .collect();
+        let mut finder = TransitFinder::new(&mut channels);
+        let (mut frontier, mut last) = (span.0, None::<Transit>);
+        loop {
+            match finder.step() {
+                Step::Searched(until) => {
+                    assert!(until >= frontier, "the frontier moves back to {until:?}");
+                    frontier = until;
+                }
+                Step::Transit(transit) => {
+                    assert!(transit.entry >= frontier, "{frontier:?} {transit:?}");
+                    if let Some(last) = last {
+                        let key = |it: &Transit| (it.entry, it.channel);
+                        assert!(key(&last) < key(&transit), "{last:?} {transit:?}");
+                        let apart_ns = transit.entry.since(last.entry).ns();
+                        near += u32::from(apart_ns < 1_000_000);
+                        closest_ns = closest_ns.min(apart_ns);
+                    }
+                    last = Some(transit);
+                }
+                Step::Done => break,
+                Step::Failed { error, .. } => panic!("{error:?}"),
+            }
+        }
+    }
+    assert!(near > 800 && closest_ns < 512, "{near} {closest_ns}");
 }
 
 #[test]

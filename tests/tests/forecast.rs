@@ -8,7 +8,7 @@ use onboard_core::phase::{Phase, Rotor};
 use onboard_core::rotation::Rotation;
 use onboard_core::sun::SunModel;
 use onboard_core::time::Instant;
-use onboard_core::transit::{Channel, MAX_EVALUATIONS_PER_STEP};
+use onboard_core::transit::{Channel, MAX_EVALUATIONS_PER_STEP, Step, TransitFinder};
 use onboard_core::uncertainty::ScanCovariance;
 use tests::{Plain, table, transits, turn_rate};
 
@@ -91,6 +91,7 @@ fn each_target_has_its_first_visit_and_its_confidence() {
 }
 
 #[test]
+// REQ-TRANSIT-6.
 fn a_step_evaluates_as_often_as_a_finders_step_may() {
     let tables = tables(60);
     let mut channels = channels(&tables, Instant::from_tai_ns(60 * DAY_NS));
@@ -108,6 +109,110 @@ fn a_step_evaluates_as_often_as_a_finders_step_may() {
         }
     }
     assert!(before > 100, "{before}");
+}
+
+/// Steps until a forecast is done, and the failures on the way.
+fn run(channels: &mut [Channel<'_>], next: &mut [Option<NextVisit>]) -> (u32, Vec<usize>) {
+    let mut forecast = Forecast::new(channels, next);
+    let (mut steps, mut failed) = (0, Vec::new());
+    loop {
+        steps += 1;
+        match forecast.step(covariance) {
+            ForecastStep::Found(_) | ForecastStep::Searched(_) => {}
+            ForecastStep::Done => return (steps, failed),
+            ForecastStep::Failed { channel, .. } if failed.contains(&channel) => {
+                return (steps, failed);
+            }
+            ForecastStep::Failed { channel, .. } => failed.push(channel),
+        }
+    }
+}
+
+#[test]
+// REQ-FORECAST-1.
+fn targets_take_as_many_steps_together_as_one_by_one() {
+    let tables = tables(365);
+    let end = Instant::from_tai_ns(365 * DAY_NS);
+    let steps = |index: usize| run(&mut channels(&tables, end)[index..=index], &mut [None]).0;
+    let alone: u32 = (0..TARGETS.len()).map(steps).sum();
+    let mut next = [None; TARGETS.len()];
+    let (together, failed) = run(&mut channels(&tables, end), &mut next);
+    assert!(failed.is_empty(), "{failed:?}");
+    // Each forecast by itself has a last step that only says that it is done.
+    assert_eq!(together, alone + 1 - u32::try_from(TARGETS.len()).unwrap());
+    // Channels without a place for their visit are not searched.
+    let (fewer, _) = run(&mut channels(&tables, end), &mut next[..1]);
+    assert_eq!(fewer, steps(0));
+}
+
+/// As a caller that keeps channels, visits and the one that waits, but no forecast, between two steps.
+#[test]
+fn a_forecast_that_is_resumed_at_every_step_takes_the_same_ones() {
+    let tables = tables(60);
+    let end = Instant::from_tai_ns(60 * DAY_NS);
+    let (mut whole, mut pieces) = (channels(&tables, end), channels(&tables, end));
+    let (mut next, mut own) = ([None; TARGETS.len()], [None; TARGETS.len()]);
+    let mut waiting = None;
+    let mut forecast = Forecast::new(&mut whole, &mut next);
+    loop {
+        let mut resumed = Forecast::resume(&mut pieces, &mut own, waiting);
+        let step = resumed.step(covariance);
+        waiting = resumed.waiting();
+        assert_eq!(step, forecast.step(covariance));
+        if step == ForecastStep::Done {
+            break;
+        }
+    }
+    assert_eq!(own, next);
+    assert!(own[0].is_some());
+}
+
+#[test]
+// REQ-TRANSIT-7.
+fn a_channel_that_fails_holds_up_no_other() {
+    let (long, short) = (tables(60), tables(2));
+    let end = Instant::from_tai_ns(60 * DAY_NS);
+    let mut whole = [None; TARGETS.len()];
+    run(&mut channels(&long, end), &mut whole);
+    for broken in 0..TARGETS.len() {
+        let mixed: Vec<_> = (0..TARGETS.len())
+            .map(|index| if index == broken { &short } else { &long }[index].clone())
+            .collect();
+        let mut next = [None; TARGETS.len()];
+        let (_, failed) = run(&mut channels(&mixed, end), &mut next);
+        let expected = whole[broken]
+            .is_none_or(|it: NextVisit| it.transit.entry > Instant::from_tai_ns(2 * DAY_NS));
+        assert_eq!(failed, if expected { vec![broken] } else { vec![] });
+        for index in (0..TARGETS.len()).filter(|index| *index != broken) {
+            assert_eq!(next[index], whole[index]);
+        }
+    }
+    // The finder below it, too: all transits of the others, then the failure again.
+    let mixed = [long[0].clone(), short[3].clone(), long[1].clone()];
+    let alone: Vec<_> = [0, 2]
+        .map(|index| transits(&mut channels(&mixed, end)[index..=index]))
+        .into_iter()
+        .flatten()
+        .map(|transit| (transit.entry, transit.exit))
+        .collect();
+    let mut channels = channels(&mixed, end);
+    let mut finder = TransitFinder::new(&mut channels);
+    let (mut found, mut failures) = (Vec::new(), 0);
+    while failures < 2 {
+        match finder.step() {
+            Step::Transit(transit) => found.push((transit.entry, transit.exit)),
+            Step::Searched(_) => {}
+            Step::Done => panic!("not all was searched"),
+            Step::Failed { channel, .. } => {
+                assert_eq!(channel, 1);
+                failures += 1;
+            }
+        }
+    }
+    assert!(found.is_sorted());
+    let mut expected = alone;
+    expected.sort_unstable();
+    assert_eq!(found, expected);
 }
 
 #[test]

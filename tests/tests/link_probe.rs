@@ -1,5 +1,7 @@
 //! Every public function of `onboard-core` stands in the link probe; one with const parameters, its
 //! own or its type's, stands there twice: at capacity 1 (`name__1`) and at the largest (`name__max`).
+//!
+//! Requirements: REQ-CORE-1.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -5,8 +5,8 @@ use onboard_core::clock::{ClockCorrelation, ClockError};
 use onboard_core::phase::{Phase, Rotor};
 use onboard_core::scan::{ScanParameters, ScanStrategy};
 use onboard_core::sequencer::{
-    AbortReason, Event, EventQueue, MAX_EVALUATIONS_PER_TICK, SafeReason, Sequencer, Situation,
-    SkipReason, State,
+    AbortReason, Event, EventQueue, Lost, MAX_EVALUATIONS_PER_TICK, SafeReason, ScanEstimate,
+    Sequencer, Situation, SkipReason, State,
 };
 use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::{Header, SectionKind, SessionRecord, Tables};
@@ -20,6 +20,7 @@ struct Flight<'a> {
     sequencer: Sequencer,
     events: EventQueue<64>,
     tables: Option<Tables<'a>>,
+    damaged: bool,
     clock: Option<ClockCorrelation>,
     strategy: Option<ScanStrategy>,
     log: Vec<Event>,
@@ -27,10 +28,13 @@ struct Flight<'a> {
 
 impl<'a> Flight<'a> {
     fn new(uplink: &'a [u8]) -> Self {
+        let mut sequencer = Sequencer::new(SETTINGS).unwrap();
+        sequencer.resume();
         Self {
-            sequencer: Sequencer::new(SETTINGS).unwrap(),
+            sequencer,
             events: EventQueue::new(),
             tables: Some(Tables::load(uplink).unwrap()),
+            damaged: false,
             clock: Some(CLOCK),
             strategy: None,
             log: Vec::new(),
@@ -42,7 +46,8 @@ impl<'a> Flight<'a> {
             ticks: ticks_at(ns),
             clock: self.clock.as_ref(),
             tables: self.tables.as_ref(),
-            strategy: self.strategy.as_ref(),
+            tables_damaged: self.damaged,
+            scan: self.strategy.as_ref().map_or(ScanEstimate::Mission, ScanEstimate::Strategy),
         };
         let tick = self.sequencer.tick(&situation, &mut self.events);
         assert!(tick.evaluations <= MAX_EVALUATIONS_PER_TICK, "{}", tick.evaluations);
@@ -76,6 +81,7 @@ impl<'a> Flight<'a> {
 }
 
 #[test]
+// REQ-SEQ-12.
 fn every_session_of_a_sound_plan_is_carried_out_at_its_times() {
     let sessions = sessions(20);
     assert!(sessions.len() >= 20, "{}", sessions.len());
@@ -103,13 +109,14 @@ fn every_session_of_a_sound_plan_is_carried_out_at_its_times() {
     assert_eq!(flight.count(|it| matches!(it, Event::Started(..))), sessions.len());
     assert_eq!(flight.count(|it| matches!(it, Event::Ended(_))), sessions.len());
     assert_eq!(flight.skips(), []);
-    assert_eq!(flight.events.dropped(), 0);
+    assert_eq!(flight.events.lost(), Lost::NONE);
     flight.tick(21 * DAY + SECOND);
     let expired = SafeReason::TablesExpired(Instant::from_tai_ns(21 * DAY));
     assert_eq!(flight.sequencer.state(), State::Safe(expired));
 }
 
 #[test]
+// REQ-SEQ-5.
 fn sessions_that_disagree_with_the_prediction_are_skipped_with_the_reason() {
     let good = sessions(20)[3];
     let run = |session: SessionRecord| {
@@ -158,6 +165,7 @@ fn the_measured_attitude_decides() {
 }
 
 #[test]
+// REQ-SEQ-4.
 fn without_time_for_the_check_nothing_is_begun() {
     let good = sessions(20)[3];
     let bytes = uplink(1, &[good]);
@@ -213,6 +221,7 @@ fn without_clock_or_tables_it_is_safe_until_resumed() {
 }
 
 #[test]
+// REQ-SEQ-2.
 fn an_order_to_resume_from_before_does_not_lead_out_of_safe() {
     let bytes = uplink(1, &[]);
     let mut flight = Flight::new(&bytes);
@@ -271,6 +280,7 @@ fn sessions_of_other_telescopes_and_overlaps_are_left_out() {
         valid_from: Instant::from_tai_ns(0),
         valid_until: Instant::from_tai_ns(21 * DAY),
         mission_digest: [0; 16],
+        spacecraft: 1,
     };
     let two = mission(&Plain::LITEBIRD, sun(), &[telescope(), telescope()]);
     let bytes = container(
@@ -290,6 +300,7 @@ fn sessions_of_other_telescopes_and_overlaps_are_left_out() {
 /// Whatever the clock, the tables and the commands do: a session is only ever under way at its own
 /// times, after a check, with a valid clock and valid tables.
 #[test]
+// REQ-SEQ-13.
 fn the_rules_hold_under_arbitrary_jumps() {
     let sessions = sessions(20);
     let (first, second) = (uplink(1, &sessions), uplink(2, &sessions[5..]));

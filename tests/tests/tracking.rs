@@ -321,6 +321,7 @@ fn intervals_hold(
 }
 
 #[test]
+// REQ-TRACK-2.
 fn a_day_after_a_day_of_attitudes_the_intervals_hold() {
     for (name, plain) in [("LiteBIRD", Plain::LITEBIRD), ("Planck", Plain::PLANCK)] {
         intervals_hold(name, plain, 2 * DAY_NS, |model, noise| {

@@ -20,6 +20,7 @@ fn circular_sun(longitude_deg: f64) -> SunModel<'static> {
 }
 
 #[test]
+// REQ-TRANSIT-1.
 fn a_fixed_direction_for_a_year_matches_the_reference() {
     let text = include_str!("../data/transits.json");
     let reference: serde_json::Value = serde_json::from_str(text).unwrap();

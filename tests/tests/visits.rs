@@ -12,8 +12,8 @@ use onboard_core::time::{Duration, Instant};
 use onboard_core::transit::{Channel, Confidence, Transit};
 use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::visits::{
-    Bins, BinsError, Divisions, Histogram, LastVisit, Slot, Spacing, TargetVisits, VisitError,
-    VisitLog,
+    Bins, BinsError, Divisions, Histogram, HistogramBin, LastVisit, Spacing, TargetVisits,
+    VisitError, VisitLog,
 };
 use std::mem::size_of;
 use tests::{Noise, Plain, table, transits, turn_rate};
@@ -118,15 +118,15 @@ fn bins_hold_their_edges() {
             let count = 1 + (noise.bits() % 64) as usize;
             for index in 0..count {
                 let edge = bins.edge_s(index, count);
-                assert_eq!(bins.slot(edge, count), Slot::Bin(index));
+                assert_eq!(bins.bin(edge, count), HistogramBin::Bin(index));
                 if index > 0 {
-                    assert_eq!(bins.slot(edge.next_down(), count), Slot::Bin(index - 1));
+                    assert_eq!(bins.bin(edge.next_down(), count), HistogramBin::Bin(index - 1));
                 }
             }
-            assert_eq!(bins.slot(high, count), Slot::Over);
-            assert_eq!(bins.slot(f64::INFINITY, count), Slot::Over);
-            assert_eq!(bins.slot(low.next_down(), count), Slot::Under);
-            assert_eq!(bins.slot(f64::NAN, count), Slot::Under);
+            assert_eq!(bins.bin(high, count), HistogramBin::Overflow);
+            assert_eq!(bins.bin(f64::INFINITY, count), HistogramBin::Overflow);
+            assert_eq!(bins.bin(low.next_down(), count), HistogramBin::Underflow);
+            assert_eq!(bins.bin(f64::NAN, count), HistogramBin::Underflow);
         }
     }
     let bins = |spacing, low, high| Bins::new(spacing, low, high).unwrap_err();
@@ -137,6 +137,7 @@ fn bins_hold_their_edges() {
 }
 
 #[test]
+// REQ-VISIT-1.
 fn what_is_out_of_order_is_refused_and_changes_nothing() {
     let mut memory = [TargetVisits::<4>::EMPTY; 2];
     let mut log = VisitLog::new(&divisions(), &mut memory);
@@ -149,7 +150,7 @@ fn what_is_out_of_order_is_refused_and_changes_nothing() {
         Err(VisitError::Reversed { entry: at(400), exit: at(300) })
     );
     assert_eq!(
-        log.record(1, &visit(99, 300)),
+        log.record(0, &visit(99, 300)),
         Err(VisitError::OutOfOrder { entry: at(99), latest: at(100) })
     );
     assert_eq!(
@@ -157,9 +158,10 @@ fn what_is_out_of_order_is_refused_and_changes_nothing() {
         Err(VisitError::Overlap { entry: at(150), exit: at(200) })
     );
     assert_eq!(log.targets(), before);
-    log.record(1, &visit(100, 300)).unwrap();
+    // Another target's visit may lie before: its search may have stood still for a while.
+    log.record(1, &visit(40, 300)).unwrap();
     let last =
-        LastVisit { entry: at(100), exit: at(300), entry_clipped: false, exit_clipped: false };
+        LastVisit { entry: at(40), exit: at(300), entry_clipped: false, exit_clipped: false };
     assert_eq!(log.targets()[1].last, Some(last));
 }
 
@@ -341,6 +343,7 @@ fn drawn_from(sigmas: [f64; 3]) -> ScanCovariance {
 }
 
 #[test]
+// REQ-FORECAST-2.
 fn the_stated_interval_holds_the_truth() {
     let bytes = still();
     let sigmas = [3e-4, 1e-4, 5e-4];

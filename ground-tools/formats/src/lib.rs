@@ -45,6 +45,8 @@ pub mod attitude;
 pub mod periods;
 pub mod products;
 pub mod uplink;
+pub mod flown;
+pub mod sequence;
 pub mod vectors;
 pub mod history;
 

@@ -26,13 +26,14 @@
 
 use ephem::time::format_tdb;
 use mission::Mission;
-use onboard_core::field_of_view::FieldShape;
+use mission::digest::sha256_hex;
 use onboard_core::time::Instant;
 use onboard_core::uplink::{
-    AvoidanceRecord, Counts, DetectorRecord, ENTRY_BYTES, HEADER_BYTES, Header, MissionTable,
-    Refusal, SectionKind, SessionRecord, SetDigest, SunRecord, TableError, TelescopeRecord,
-    UplinkError, checksum, entry_to_le_bytes,
+    Container, ENTRY_BYTES, HEADER_BYTES, Header, MAX_SEQUENCE_STEP, SectionKind, SequenceError,
+    SessionRecord, SetDigest, TableError, UplinkError, UploadRefusal, checksum, committed_head,
+    entry_to_le_bytes, slot_bytes,
 };
+use planner::onboard::{BeyondRecord, TooMany, mission_section, record};
 use planner::plan::Plan;
 use planner::world::{TableFault, World};
 use thiserror::Error;
@@ -44,16 +45,11 @@ pub enum TooLarge {
     #[error("the uplink table would take {0} bytes: it holds 4294967295")]
     Bytes(usize),
     /// More of something than its counts can name.
-    #[error("the uplink table cannot hold {number} {what}: it holds 65535")]
-    Count {
-        /// What there is too much of.
-        what: &'static str,
-        /// How many.
-        number: usize,
-    },
+    #[error(transparent)]
+    Count(#[from] TooMany),
     /// A session's number that its record cannot hold.
-    #[error("the uplink table cannot hold the {0} of a session")]
-    Session(&'static str),
+    #[error(transparent)]
+    Session(#[from] BeyondRecord),
 }
 
 /// The sessions of a plan as the uplink table holds them, by start.
@@ -61,23 +57,10 @@ pub enum TooLarge {
 /// # Errors
 /// [`TooLarge`] where a number exceeds the format.
 pub fn records(world: &World, plan: &Plan) -> Result<Vec<SessionRecord>, TooLarge> {
-    let record = |&candidate: &usize| {
-        let opportunity = plan.offered.opportunity(candidate);
-        let (start, end) = plan.offered.problem.reserved(candidate);
-        let passes = plan.offered.offers.opportunities.passes(opportunity).len();
-        let too_large = TooLarge::Session;
-        Ok(SessionRecord {
-            start,
-            end,
-            first_entry: opportunity.first_entry,
-            last_exit: opportunity.last_exit,
-            body: world.targets[opportunity.target].body(),
-            turn: u32::try_from(opportunity.turn).map_err(|_| too_large("precession turn"))?,
-            telescope: u16::try_from(opportunity.telescope).map_err(|_| too_large("telescope"))?,
-            passes: u16::try_from(passes).unwrap_or(u16::MAX),
-        })
+    let one = |&candidate: &usize| {
+        Ok(record(world, &plan.offered.offers, plan.offered.opportunity(candidate))?)
     };
-    plan.schedule.chosen.iter().map(record).collect()
+    plan.schedule.chosen.iter().map(one).collect()
 }
 
 /// What a container is made from.
@@ -129,8 +112,9 @@ impl Contents<'_> {
             valid_from: self.world.start,
             valid_until: self.world.end,
             mission_digest: digest(&self.world.mission),
+            spacecraft: spacecraft(&self.world.mission),
         };
-        let count = count("sections", sections.len())?;
+        let count = TooMany::checked("sections", sections.len())?;
         let mut bytes = header.to_le_bytes(length(offset)?, count, checksum(&directory)).to_vec();
         bytes.extend(directory);
         for (_, section) in &sections {
@@ -150,46 +134,28 @@ pub fn digest(mission: &Mission) -> [u8; 16] {
     })
 }
 
+/// The identity of the mission's spacecraft: the first 4 bytes of the SHA-256 of its name, the key
+/// `product.object_name`, little-endian.
+#[must_use]
+pub fn spacecraft(mission: &Mission) -> u32 {
+    let hex = sha256_hex(&mission.product.object_name);
+    let first = hex.get(..8).and_then(|first| u32::from_str_radix(first, 16).ok());
+    first.unwrap_or(0).swap_bytes()
+}
+
+/// A slot in which a sound container is committed, as the flight core leaves it there.
+///
+/// # Errors
+/// [`UplinkError`] where the container is not sound.
+pub fn slot_image(container: &[u8]) -> Result<Vec<u8>, UplinkError> {
+    let mut slot = committed_head(&Container::parse(container)?).to_vec();
+    slot.extend(container);
+    slot.resize(slot_bytes(container.len()).unwrap_or(slot.len()), 0xff);
+    Ok(slot)
+}
+
 fn length(bytes: usize) -> Result<u32, TooLarge> {
     u32::try_from(bytes).map_err(|_| TooLarge::Bytes(bytes))
-}
-
-fn mission_section(world: &World) -> Result<Vec<u8>, TooLarge> {
-    let mission = &world.mission;
-    let detectors = mission.telescopes.iter().map(|telescope| telescope.detectors.len()).sum();
-    let counts = Counts {
-        telescopes: count("telescopes", mission.telescopes.len())?,
-        detectors: count("detectors", detectors)?,
-        avoidance: count("avoidance limits", world.avoided.len())?,
-    };
-    let sun = world.circular_sun.map_or(SunRecord::Table, SunRecord::Circular);
-    let radius = mission.calibration.radius_rad();
-    let fixed = MissionTable::fixed_to_le_bytes(world.scan.parameters(), sun, counts, radius);
-    let mut bytes = fixed.to_vec();
-    for telescope in &mission.telescopes {
-        let circle = FieldShape::Circle(radius);
-        let record = TelescopeRecord {
-            rotation: telescope.rotation,
-            hwp: telescope.hwp,
-            field: telescope.field_of_view.map_or(circle, |field| field.shape()),
-        };
-        bytes.extend(record.to_le_bytes());
-    }
-    for (telescope, it) in (0_u16..).zip(&mission.telescopes) {
-        for named in &it.detectors {
-            let record = DetectorRecord { rotation: named.rotation, telescope };
-            bytes.extend(record.to_le_bytes());
-        }
-    }
-    for (source, angle_rad) in &world.avoided {
-        let record = AvoidanceRecord { body: source.body(), angle_rad: *angle_rad };
-        bytes.extend(record.to_le_bytes());
-    }
-    Ok(bytes)
-}
-
-fn count(what: &'static str, number: usize) -> Result<u16, TooLarge> {
-    u16::try_from(number).map_err(|_| TooLarge::Count { what, number })
 }
 
 fn plan_section(sessions: &[SessionRecord]) -> Result<Vec<u8>, TooLarge> {
@@ -281,27 +247,45 @@ pub fn contents_told(error: TableError) -> String {
 
 /// Why a spacecraft would refuse a container, in words.
 #[must_use]
-pub fn refusal_told(refusal: Refusal) -> String {
+pub fn refusal_told(refusal: UploadRefusal) -> String {
     match refusal {
-        Refusal::Unsound(error) => contents_told(error),
-        Refusal::Expired(until) => format!("its validity ends at {} TDB", format_tdb(until)),
-        Refusal::NotYetValid(from) => format!("its validity begins at {} TDB", format_tdb(from)),
-        Refusal::Older { candidate, newest } => format!(
-            "its sequence number {candidate} is not above {newest}: build it with --sequence {} or \
-             above",
-            u64::from(newest) + 1
+        UploadRefusal::Unsound(error) => contents_told(error),
+        UploadRefusal::Expired(until) => {
+            format!("its validity ends at {} TDB", format_tdb(until))
+        }
+        UploadRefusal::NotYetValid(from) => {
+            format!("its validity begins at {} TDB", format_tdb(from))
+        }
+        UploadRefusal::Sequence(error) => sequence_told(error),
+        UploadRefusal::OtherSpacecraft { candidate, flown } => format!(
+            "it is another spacecraft's (identity {candidate:08x}, flown {flown:08x}): the same \
+             product.object_name is needed, or an order of table change"
         ),
-        Refusal::TooLong(room, needed) => {
+        UploadRefusal::TooLong(room, needed) => {
             format!("it takes {needed} bytes where the slot has {room}")
         }
-        Refusal::OrderExpired(until) => {
-            format!("the order could be carried out until {} TDB", format_tdb(until))
-        }
-        Refusal::NotActive(active) => format!("the active container has sequence number {active}"),
-        Refusal::NothingToReturnTo => {
-            "the other slot does not hold the container to return to".to_owned()
-        }
+        other => format!("the flight core refuses it: {other:?}"),
     }
+}
+
+/// Why a sequence number may not follow, in words.
+#[must_use]
+pub fn sequence_told(error: SequenceError) -> String {
+    let (candidate, newest, why) = match error {
+        SequenceError::Older { candidate, newest } => (candidate, newest, "is not above"),
+        SequenceError::StepTooLarge { candidate, newest } => {
+            (candidate, newest, "is too far above")
+        }
+        other => return format!("the flight core refuses its sequence number: {other:?}"),
+    };
+    format!("its sequence number {candidate} {why} {newest}: build it with {}", legal(newest))
+}
+
+/// The sequence numbers that may follow `newest`, as an option.
+#[must_use]
+pub fn legal(newest: u32) -> String {
+    let (first, last) = (newest.saturating_add(1), newest.saturating_add(MAX_SEQUENCE_STEP));
+    format!("--sequence {first} to {last}")
 }
 
 /// A section's name by its kind's number.

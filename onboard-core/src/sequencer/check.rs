@@ -1,29 +1,80 @@
-//! A planned session against the spacecraft's own prediction, a bounded piece at a time.
+//! Is a planned session allowed: the one definition, for the spacecraft and for the plan.
 //!
-//! The prediction searches the session's target through every field that calibrates the telescope,
-//! from two tolerances before the planned first entry to two after the planned last exit, on the
-//! strategy that was the best known when it began. Then, for every avoidance limit and every such
-//! field, it searches the whole session, setup and cooldown included, for a violation. Nothing is
-//! borrowed between two pieces.
+//! A [`SessionCheck`] first searches the session's target through every field that calibrates the
+//! telescope, from two tolerances before the planned first entry to two after the planned last exit:
+//! first entry, last exit and number of passes must be the plan's. Then, for every avoidance limit and
+//! every such field, it searches the whole session, setup and cooldown included, for an instant at
+//! which the body is nearer than the limit to the nearest point of the field.
+//!
+//! It goes on a bounded piece at a time and borrows nothing between two pieces: the sequencer takes
+//! one per tick, the planner one after the other, both on the same bytes of mission and ephemeris.
+//!
+//! Method: certified searches (`transit/search.rs`). An edge moves by `slope . dx` for errors dx of
+//! precession phase, alpha and spin phase; the slopes of the first entry and of the last exit stay, so
+//! that any covariance gives their standard deviations at once.
+//!
+//! Limits: an outcome holds for the strategy that the check began with. Violations shallower than
+//! [`SEPARATION_TOLERANCE_RAD`](crate::transit::SEPARATION_TOLERANCE_RAD) may go either way. What is
+//! decided is the session by itself: overlaps and the time for the check are the sequencer's.
 
-use super::{Settings, SkipReason};
-use crate::ephemeris::EphemerisError;
+use super::reason::SkipReason;
+use crate::ephemeris::{EphemerisError, EphemerisTable};
 use crate::scan::ScanStrategy;
 use crate::time::{Duration, Instant};
 use crate::transit::{Lookup, Search, Seen, Transit};
-use crate::uplink::{SessionRecord, Tables};
+use crate::uncertainty::ScanCovariance;
+use crate::uplink::{MissionTable, SessionRecord};
+
+/// Most search steps in one piece.
+pub const MAX_STEPS_PER_TICK: u16 = 8;
+/// Standard deviations that hold 95 % of a normal distribution between them.
+const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
+
+/// What is to be decided, and on what; the same for every piece of a check.
+#[derive(Debug, Clone, Copy)]
+pub struct Question<'t, 'a> {
+    /// The session.
+    pub session: &'t SessionRecord,
+    /// Sun model, fields and avoidance limits.
+    pub mission: &'t MissionTable<'a>,
+    /// Directions of the target, the Sun and the bodies to avoid.
+    pub ephemeris: EphemerisTable<'a>,
+    /// First and last instant that the tables are valid at.
+    pub validity: (Instant, Instant),
+    /// How far predicted and planned first entry and last exit may differ.
+    pub tolerance: Duration,
+    /// How far predicted and planned number of passes may differ.
+    pub passes_tolerance: u16,
+}
 
 /// The prediction for one session, as far as it has come.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Check {
-    strategy: Option<ScanStrategy>,
+pub struct SessionCheck {
+    strategy: ScanStrategy,
     stage: Stage,
     search: Search,
     /// Working memory of a search step.
     seen: Seen,
-    first_entry: Option<Instant>,
-    last_exit: Option<Instant>,
+    first_entry: Option<Edge>,
+    last_exit: Option<Edge>,
     passes: u16,
+    pieces: u32,
+}
+
+/// An entry or exit.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    at: Instant,
+    /// How many seconds it moves per radian of error in precession phase, alpha and spin phase; `None`
+    /// until that is worked out.
+    slopes_s: Option<[f64; 3]>,
+}
+
+impl Edge {
+    /// One that the search's own end cut off does not move.
+    fn new(at: Instant, clipped: bool) -> Self {
+        Self { at, slopes_s: clipped.then_some([0.0; 3]) }
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +85,8 @@ enum Stage {
     Next(Part),
     /// This search is under way.
     Searching(Part),
+    /// So it is, and edges that it found are to be looked at.
+    Sloping(Part),
     Done(Result<(), SkipReason>),
 }
 
@@ -54,65 +107,113 @@ impl Part {
     }
 }
 
-/// What a piece of the prediction runs on.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Ground<'t, 'a> {
-    pub(super) session: &'t SessionRecord,
-    pub(super) tables: &'t Tables<'a>,
-    pub(super) settings: &'t Settings,
-}
-
-impl Check {
+impl SessionCheck {
     /// A check of nothing yet.
-    pub(super) const WAITING: Self = Self {
-        strategy: None,
+    pub const WAITING: Self = Self {
+        strategy: ScanStrategy::STILL,
         stage: Stage::Waiting,
         search: Search::NOTHING,
         seen: Seen::NOTHING,
         first_entry: None,
         last_exit: None,
         passes: 0,
+        pieces: 0,
     };
 
-    /// Forgets all, for another session.
-    pub(super) const fn reset(&mut self) {
+    /// Forgets all, for another session or another strategy.
+    pub const fn reset(&mut self) {
         self.stage = Stage::Waiting;
     }
 
-    /// Begins, unless it has begun, on this strategy or else the mission section's.
+    /// Begins, unless it has begun.
     #[inline(never)]
-    pub(super) fn start(&mut self, strategy: Option<&ScanStrategy>, tables: &Tables<'_>) {
-        if matches!(self.stage, Stage::Waiting) {
-            self.strategy =
-                Some(strategy.map_or_else(|| tables.mission().strategy(), |known| *known));
-            self.stage = Stage::Next(Part::Target(0));
+    pub fn start(&mut self, strategy: &ScanStrategy) {
+        self.start_at(strategy, Part::Target(0));
+    }
+
+    /// Begins, unless it has begun, after the target: the avoidance limits alone are decided.
+    #[inline(never)]
+    pub fn start_with_avoidance(&mut self, strategy: &ScanStrategy) {
+        self.start_at(strategy, Part::Limit(0, 0));
+    }
+
+    fn start_at(&mut self, strategy: &ScanStrategy, part: Part) {
+        if self.is_waiting() {
+            self.strategy = *strategy;
+            self.stage = Stage::Next(part);
             (self.first_entry, self.last_exit, self.passes) = (None, None, 0);
+            self.pieces = 0;
         }
+    }
+
+    /// Whether it has not begun.
+    #[must_use]
+    pub const fn is_waiting(&self) -> bool {
+        matches!(self.stage, Stage::Waiting)
+    }
+
+    /// The strategy that it began with.
+    #[must_use]
+    pub const fn strategy(&self) -> &ScanStrategy {
+        &self.strategy
     }
 
     /// The outcome, once it is known.
-    pub(super) const fn verdict(&self) -> Option<Result<(), SkipReason>> {
+    #[must_use]
+    pub const fn verdict(&self) -> Option<Result<(), SkipReason>> {
         match self.stage {
             Stage::Done(verdict) => Some(verdict),
-            Stage::Waiting | Stage::Next(_) | Stage::Searching(_) => None,
+            Stage::Waiting | Stage::Next(_) | Stage::Searching(_) | Stage::Sloping(_) => None,
         }
     }
 
-    /// Goes on by at most the settings' number of search steps; returns the evaluations made.
+    /// Pieces that it has taken; stays at its largest value.
+    #[must_use]
+    pub const fn pieces(&self) -> u32 {
+        self.pieces
+    }
+
+    /// Half the 95 % interval of the predicted first entry or last exit, the larger of the two, where
+    /// the angles of its strategy are known as well as `covariance_at` says.
+    ///
+    /// An edge that the search's own end cut off is certain; before the target was searched nothing
+    /// is uncertain.
+    #[must_use]
     #[inline(never)]
-    pub(super) fn advance(&mut self, ground: &Ground<'_, '_>) -> u32 {
+    // REQ-SEQ-8.
+    pub fn uncertainty(&self, covariance_at: impl Fn(Instant) -> ScanCovariance) -> Duration {
+        let mut largest = 0.0;
+        for edge in [&self.first_entry, &self.last_exit].into_iter().flatten() {
+            let variance = covariance_at(edge.at).along(edge.slopes_s.unwrap_or([0.0; 3]));
+            // Not a number stands for: not known at all.
+            let sigma = if variance.is_nan() { f64::INFINITY } else { libm::sqrt(variance) };
+            largest = libm::fmax(largest, sigma);
+        }
+        Duration::from_seconds(TWO_SIDED_95 * largest)
+    }
+
+    /// Goes on by at most so many search steps; returns the evaluations made.
+    #[inline(never)]
+    // REQ-SEQ-12.
+    pub fn advance(&mut self, question: &Question<'_, '_>, steps: u16) -> u32 {
         let part = match self.stage {
             Stage::Waiting | Stage::Done(_) => return 0,
             Stage::Next(part) => {
+                self.pieces = self.pieces.saturating_add(1);
                 self.stage = self
-                    .begin(ground, part)
+                    .begin(question, part)
                     .unwrap_or_else(|error| Stage::Done(Err(SkipReason::Ephemeris(error))));
                 return 0;
             }
-            Stage::Searching(part) => part,
+            Stage::Searching(part) | Stage::Sloping(part) => part,
         };
+        self.pieces = self.pieces.saturating_add(1);
         let before = self.search.evaluations();
-        match self.go_on(ground, part) {
+        let went_on = match self.stage {
+            Stage::Sloping(_) => self.slope(question).map(|()| Some(Stage::Searching(part))),
+            _ => self.go_on(question, part, steps.min(MAX_STEPS_PER_TICK)),
+        };
+        match went_on {
             Ok(None) => {}
             Ok(Some(next)) => self.stage = next,
             Err(error) => self.stage = Stage::Done(Err(SkipReason::Ephemeris(error))),
@@ -123,14 +224,14 @@ impl Check {
 
     /// Lays out the search of one part; where the part is not there, what follows.
     #[inline(never)]
-    fn begin(&mut self, ground: &Ground<'_, '_>, part: Part) -> Result<Stage, EphemerisError> {
-        let (session, mission) = (ground.session, ground.tables.mission());
-        let Some(strategy) = &self.strategy else { return Ok(Stage::Waiting) };
+    // REQ-SEQ-6.
+    fn begin(&mut self, question: &Question<'_, '_>, part: Part) -> Result<Stage, EphemerisError> {
+        let (session, mission) = (question.session, question.mission);
         let (body, field, span) = match part {
             Part::Target(index) => match mission.calibration_field(session.telescope, index) {
-                Some(field) => (session.body, field, window(ground)),
+                Some(field) => (session.body, field, window(question)),
                 None => {
-                    return Ok(match self.compare(ground) {
+                    return Ok(match self.compare(question) {
                         Ok(()) => Stage::Next(Part::Limit(0, 0)),
                         disagreement => Stage::Done(disagreement),
                     });
@@ -150,32 +251,35 @@ impl Check {
                 }
             }
         };
-        let sun = ground.tables.sun()?;
-        let lookup = Lookup { sun: &sun, target: ground.tables.ephemeris().body(body)? };
-        self.search.set(strategy, &lookup, &field, span);
+        let sun = mission.sun(question.ephemeris)?;
+        let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
+        self.search.set(&self.strategy, &lookup, &field, span);
         Ok(Stage::Searching(part))
     }
 
-    /// At most the settings' number of steps of the search; what follows, when it is over.
+    /// At most so many steps of the search; what follows, when it is over.
     #[inline(never)]
     fn go_on(
         &mut self,
-        ground: &Ground<'_, '_>,
+        question: &Question<'_, '_>,
         part: Part,
+        steps: u16,
     ) -> Result<Option<Stage>, EphemerisError> {
         let limit = match part {
             Part::Target(_) => None,
-            Part::Limit(limit, _) => ground.tables.mission().avoidance_limit(limit),
+            Part::Limit(limit, _) => question.mission.avoidance_limit(limit),
         };
-        let body = limit.map_or(ground.session.body, |record| record.body);
-        let sun = ground.tables.sun()?;
-        let lookup = Lookup { sun: &sun, target: ground.tables.ephemeris().body(body)? };
-        for _ in 0..ground.settings.steps_per_tick {
+        let body = limit.map_or(question.session.body, |record| record.body);
+        let sun = question.mission.sun(question.ephemeris)?;
+        let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
+        for _ in 0..steps {
             if let Some(transit) = self.search.take() {
                 if limit.is_some() {
                     return Ok(Some(Stage::Done(Err(SkipReason::Avoidance(body)))));
                 }
-                self.note(&transit);
+                if self.note(&transit) {
+                    return Ok(Some(Stage::Sloping(part)));
+                }
             } else if self.search.frontier().is_none() {
                 return Ok(Some(Stage::Next(part.following())));
             } else {
@@ -185,30 +289,53 @@ impl Check {
         Ok(None)
     }
 
-    fn note(&mut self, transit: &Transit) {
+    /// Takes a pass in; whether an edge of it is now the first or the last and not looked at yet.
+    fn note(&mut self, transit: &Transit) -> bool {
         self.passes = self.passes.saturating_add(1);
-        self.first_entry =
-            Some(self.first_entry.map_or(transit.entry, |entry| entry.min(transit.entry)));
-        self.last_exit = Some(self.last_exit.map_or(transit.exit, |exit| exit.max(transit.exit)));
+        if self.first_entry.is_none_or(|edge| transit.entry < edge.at) {
+            self.first_entry = Some(Edge::new(transit.entry, transit.entry_clipped));
+        }
+        if self.last_exit.is_none_or(|edge| transit.exit > edge.at) {
+            self.last_exit = Some(Edge::new(transit.exit, transit.exit_clipped));
+        }
+        let edges = [&self.first_entry, &self.last_exit];
+        edges.into_iter().flatten().any(|edge| edge.slopes_s.is_none())
     }
 
-    fn compare(&self, ground: &Ground<'_, '_>) -> Result<(), SkipReason> {
-        let (session, settings) = (ground.session, ground.settings);
+    /// Works out how the edges found last move: at most two evaluations.
+    #[inline(never)]
+    fn slope(&mut self, question: &Question<'_, '_>) -> Result<(), EphemerisError> {
+        let sun = question.mission.sun(question.ephemeris)?;
+        let target = question.ephemeris.body(question.session.body)?;
+        let lookup = Lookup { sun: &sun, target };
+        for (edge, sense) in [(&mut self.first_entry, 1.0), (&mut self.last_exit, -1.0)] {
+            if let Some(edge) = edge
+                && edge.slopes_s.is_none()
+            {
+                edge.slopes_s = Some(self.search.edge_slopes_s(edge.at, &lookup, sense)?);
+            }
+        }
+        Ok(())
+    }
+
+    // REQ-SEQ-5.
+    fn compare(&self, question: &Question<'_, '_>) -> Result<(), SkipReason> {
+        let session = question.session;
         let (Some(entry), Some(exit)) = (self.first_entry, self.last_exit) else {
             return Err(SkipReason::NoPass);
         };
         let off = |predicted: Instant, planned: Instant| {
             let difference = predicted.since(planned);
-            (difference.ns().saturating_abs() > settings.tolerance.ns()).then_some(difference)
+            (difference.ns().saturating_abs() > question.tolerance.ns()).then_some(difference)
         };
-        if let Some(difference) = off(entry, session.first_entry) {
+        if let Some(difference) = off(entry.at, session.first_entry) {
             return Err(SkipReason::Entry(difference));
         }
-        if let Some(difference) = off(exit, session.last_exit) {
+        if let Some(difference) = off(exit.at, session.last_exit) {
             return Err(SkipReason::Exit(difference));
         }
         let full = session.passes == u16::MAX && self.passes == u16::MAX;
-        if full || self.passes.abs_diff(session.passes) <= settings.passes_tolerance {
+        if full || self.passes.abs_diff(session.passes) <= question.passes_tolerance {
             Ok(())
         } else {
             Err(SkipReason::Passes(self.passes))
@@ -218,10 +345,10 @@ impl Check {
 
 /// What the prediction searches: beyond the planned times by two tolerances, so that a transit cut
 /// off at its edge is seen to disagree.
-fn window(ground: &Ground<'_, '_>) -> (Instant, Instant) {
-    let header = ground.tables.header();
-    let margin = ground.settings.tolerance.ns().saturating_mul(2);
-    let from = ground.session.first_entry.plus(Duration::from_ns(margin.saturating_neg()));
-    let until = ground.session.last_exit.plus(Duration::from_ns(margin));
-    (from.max(header.valid_from), until.min(header.valid_until))
+fn window(question: &Question<'_, '_>) -> (Instant, Instant) {
+    let (valid_from, valid_until) = question.validity;
+    let margin = question.tolerance.ns().saturating_mul(2);
+    let from = question.session.first_entry.plus(Duration::from_ns(margin.saturating_neg()));
+    let until = question.session.last_exit.plus(Duration::from_ns(margin));
+    (from.max(valid_from), until.min(valid_until))
 }

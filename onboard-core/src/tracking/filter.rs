@@ -14,7 +14,6 @@
 
 use crate::uncertainty::ScanCovariance;
 use core::array;
-use serde::{Deserialize, Serialize};
 
 /// Precession phase, alpha, spin phase, precession rate, spin rate.
 pub(super) type Errors = [f64; 5];
@@ -29,7 +28,7 @@ pub(super) struct Walks {
 }
 
 /// A symmetric covariance of [`Errors`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ErrorCovariance {
     rows: [Errors; 5],
 }
@@ -46,6 +45,25 @@ impl ErrorCovariance {
                 [0.0, 0.0, 0.0, 0.0, b_rate],
             ],
         }
+    }
+
+    /// The upper half, row by row.
+    pub(super) fn upper(&self) -> [f64; 15] {
+        let mut cells = upper_cells();
+        array::from_fn(|_| cells.next().map_or(0.0, |(i, j)| self.cell(i, j)))
+    }
+
+    /// The symmetric covariance of an upper half.
+    pub(super) fn of_upper(upper: [f64; 15]) -> Self {
+        let mut rows = [[0.0; 5]; 5];
+        for ((i, j), number) in upper_cells().zip(upper) {
+            for (i, j) in [(i, j), (j, i)] {
+                if let Some(cell) = rows.get_mut(i).and_then(|row: &mut Errors| row.get_mut(j)) {
+                    *cell = number;
+                }
+            }
+        }
+        Self { rows }
     }
 
     /// The part that belongs to the angles.
@@ -159,6 +177,11 @@ impl ErrorCovariance {
     }
 }
 
+/// Row and column of the upper half's numbers.
+fn upper_cells() -> impl Iterator<Item = (usize, usize)> {
+    (0..5).flat_map(|i| (i..5).map(move |j| (i, j)))
+}
+
 fn dot(a: &Errors, b: &Errors) -> f64 {
     a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
 }
@@ -206,6 +229,17 @@ mod tests {
         assert!((a / 5e-15 - 1.0).abs() < 0.01, "{a:e}");
         assert!((b / 5e-15 - 1.0).abs() < 0.01, "{b:e}");
         assert!((alpha / 1e-14 - 1.0).abs() < 1e-6, "{alpha:e}");
+    }
+
+    #[test]
+    fn the_upper_half_is_all_of_it() {
+        let mut p = ErrorCovariance::diagonal([1.0, 2.0, 3.0, 0.01, 0.04]);
+        p.propagate(10.0, &NO_WALKS);
+        p.observe(&mut [0.0; 5], &[1.0, 0.5, 1.0, 0.25, 0.0], 0.0, 1.0);
+        assert_eq!(ErrorCovariance::of_upper(p.upper()), p);
+        let numbers = array::from_fn(|i| f64::from(u8::try_from(i).unwrap()));
+        let back = ErrorCovariance::of_upper(numbers).upper();
+        assert_eq!(back.map(f64::to_bits), numbers.map(f64::to_bits));
     }
 
     #[test]

@@ -15,21 +15,23 @@
 //! noises are independent; the measurement is linear in the errors. The start of the mission never
 //! moves: the half-wave plate's clock hangs on it.
 //!
-//! Limits: alpha from 1 to 179 deg ([`Refusal::Unobservable`] beyond: only a + b, or a - b, is
+//! Limits: alpha from 1 to 179 deg ([`MeasurementRefusal::Unobservable`] beyond: only a + b, or a - b, is
 //! seen). Beta and the star tracker's mounting are taken as known, the noise as white, isotropic and
-//! small against alpha. A phase known worse than an eighth of a turn is [`Refusal::Ambiguous`].
+//! small against alpha. A phase known worse than an eighth of a turn is [`MeasurementRefusal::Ambiguous`].
 //! A measurement that would make alpha + beta exceed pi is refused. `tests/tests/tracking.rs` shows
 //! predictions and the stated intervals to hold.
 
 mod angles;
 mod filter;
 mod settings;
+mod state;
 
 pub use angles::ScanAngles;
 pub use settings::{
     GATES, MAX_ANGLE_SIGMA_RAD, MAX_ANGLE_WALK, MAX_RATE_SIGMA, MAX_RATE_WALK, ScanAngle,
-    SettingsError, TrackerSettings,
+    TrackerSettings, TrackerSettingsError,
 };
+pub use state::{TRACKER_BYTES, TrackerState};
 
 use crate::ephemeris::EphemerisError;
 use crate::frame::{Boresight, Ecliptic};
@@ -40,9 +42,9 @@ use crate::sun::SunModel;
 use crate::time::{Duration, Instant};
 use crate::trigonometry;
 use crate::uncertainty::ScanCovariance;
+use crate::uplink::checksum;
 use core::f64::consts::{FRAC_PI_4, PI};
 use filter::{ErrorCovariance, Errors};
-use serde::{Deserialize, Serialize};
 use settings::ANGLES;
 
 /// Smallest angle between spin axis and anti-Sun axis (or its opposite) that shows both phases.
@@ -76,7 +78,7 @@ pub struct Residuals {
 
 /// Why a measurement was refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Refusal {
+pub enum MeasurementRefusal {
     /// The noise (rad) is not in [`SIGMAS_RAD`].
     Sigma(f64),
     /// Older than the settings allow (its age).
@@ -101,30 +103,22 @@ pub enum Refusal {
 
 /// Why a saved state cannot be taken up.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum ResumeError {
     /// The state's strategy is illegal.
     Scan(ScanError),
-    /// The state belongs to a mission with another start or another beta.
-    OtherMission,
+    /// The state belongs to another nominal strategy than the one that this tracker began with.
+    OtherStrategy,
     /// The state's covariance is not one.
     Covariance,
-}
-
-/// All that a tracker must remember to go on with the same bits.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct TrackerState {
-    scan: ScanParameters,
-    /// Instant that the covariance belongs to.
-    epoch: Instant,
-    covariance: ErrorCovariance,
-    accepted: u32,
-    refused_in_a_row: u32,
 }
 
 /// The best known scan, and how well it is known.
 #[derive(Debug, Clone, Copy)]
 pub struct Tracker {
     settings: TrackerSettings,
+    /// CRC-32 of the nominal strategy.
+    nominal: u32,
     scan: ScanStrategy,
     epoch: Instant,
     covariance: ErrorCovariance,
@@ -136,15 +130,16 @@ impl Tracker {
     /// A tracker that knows `scan` at `epoch` as well as the settings say.
     ///
     /// # Errors
-    /// [`SettingsError`] names the setting out of its range.
+    /// [`TrackerSettingsError`] names the setting out of its range.
     pub fn new(
         scan: &ScanStrategy,
         settings: &TrackerSettings,
         epoch: Instant,
-    ) -> Result<Self, SettingsError> {
+    ) -> Result<Self, TrackerSettingsError> {
         settings.check()?;
         Ok(Self {
             settings: *settings,
+            nominal: identity(scan),
             scan: *scan,
             epoch,
             covariance: prior(scan, settings),
@@ -156,6 +151,7 @@ impl Tracker {
     /// Forgets everything and begins anew with `scan` at `epoch`: the way out when the model is
     /// truly wrong and every measurement is refused.
     pub fn restart(&mut self, scan: &ScanStrategy, epoch: Instant) {
+        self.nominal = identity(scan);
         self.scan = *scan;
         self.epoch = epoch;
         self.covariance = prior(scan, &self.settings);
@@ -167,6 +163,7 @@ impl Tracker {
     #[must_use]
     pub const fn state(&self) -> TrackerState {
         TrackerState {
+            nominal: self.nominal,
             scan: *self.scan.parameters(),
             epoch: self.epoch,
             covariance: self.covariance,
@@ -175,17 +172,21 @@ impl Tracker {
         }
     }
 
-    /// Goes on from a saved state of the same mission.
+    /// Goes on from a saved state of a tracker that began with the same nominal strategy.
     ///
     /// # Errors
-    /// [`ResumeError`] when the state is damaged or another mission's; nothing changes then.
+    /// [`ResumeError`] when the state is another strategy's or illegal; nothing changes then.
     #[inline(never)]
+    // REQ-TRACK-3.
     pub fn resume(&mut self, state: &TrackerState) -> Result<(), ResumeError> {
         let scan = ScanStrategy::new(state.scan).map_err(ResumeError::Scan)?;
+        // Start and beta are never corrected.
         let (own, other) = (self.scan.parameters(), scan.parameters());
-        let same = own.start == other.start && own.beta_rad.to_bits() == other.beta_rad.to_bits();
+        let same = state.nominal == self.nominal
+            && own.start == other.start
+            && own.beta_rad.to_bits() == other.beta_rad.to_bits();
         if !same {
-            return Err(ResumeError::OtherMission);
+            return Err(ResumeError::OtherStrategy);
         }
         if !state.covariance.is_legal() {
             return Err(ResumeError::Covariance);
@@ -226,6 +227,7 @@ impl Tracker {
     ///
     /// Random walks count by the distance from the last update in either direction.
     #[must_use]
+    // REQ-TRACK-2.
     pub fn covariance_at(&self, at: Instant) -> ScanCovariance {
         self.propagated(at).angles()
     }
@@ -239,14 +241,15 @@ impl Tracker {
     /// Corrects the strategy by a measured attitude; `now` is the clock's instant.
     ///
     /// # Errors
-    /// [`Refusal`] says why it was not used; nothing but [`Self::refused_in_a_row`] changes then.
+    /// [`MeasurementRefusal`] says why it was not used; nothing but [`Self::refused_in_a_row`] changes then.
     #[inline(never)]
+    // REQ-TRACK-1.
     pub fn update(
         &mut self,
         sun: &SunModel<'_>,
         measurement: &Measurement,
         now: Instant,
-    ) -> Result<Residuals, Refusal> {
+    ) -> Result<Residuals, MeasurementRefusal> {
         let result = self.consider(sun, measurement, now);
         match result {
             Ok(_) => {
@@ -263,13 +266,13 @@ impl Tracker {
         sun: &SunModel<'_>,
         measurement: &Measurement,
         now: Instant,
-    ) -> Result<Residuals, Refusal> {
+    ) -> Result<Residuals, MeasurementRefusal> {
         self.check_time(measurement, now)?;
         let at = measurement.at;
         let seen = ScanAngles::measured(measurement.attitude, &self.scan, sun, at)
-            .map_err(Refusal::Ephemeris)?;
+            .map_err(MeasurementRefusal::Ephemeris)?;
         if !(MIN_ALPHA_RAD..=PI - MIN_ALPHA_RAD).contains(&seen.alpha_rad) {
-            return Err(Refusal::Unobservable(seen.alpha_rad));
+            return Err(MeasurementRefusal::Unobservable(seen.alpha_rad));
         }
         let innovation_rad = seen.minus(&ScanAngles::modelled(&self.scan, at));
         self.take(at, innovation_rad, &Noise::new(measurement.sigma_rad, seen.alpha_rad))
@@ -282,50 +285,54 @@ impl Tracker {
         at: Instant,
         innovation_rad: [f64; 3],
         noise: &Noise,
-    ) -> Result<Residuals, Refusal> {
+    ) -> Result<Residuals, MeasurementRefusal> {
         let mut covariance = self.propagated(at);
         let sigma_rad = noise.with(&covariance);
         let [precession, _, spin] = sigma_rad;
         for (angle, sigma) in [(ScanAngle::Precession, precession), (ScanAngle::Spin, spin)] {
             if sigma > MAX_PHASE_SIGMA_RAD {
-                return Err(Refusal::Ambiguous(angle, sigma));
+                return Err(MeasurementRefusal::Ambiguous(angle, sigma));
             }
         }
         let mut errors = [0.0; 5];
         let chi2 = noise.observe(&mut covariance, &mut errors, innovation_rad);
         let residuals = Residuals { innovation_rad, sigma_rad, chi2 };
         if chi2.is_nan() || chi2 > self.settings.gate {
-            return Err(Refusal::Outlier(residuals));
+            return Err(MeasurementRefusal::Outlier(residuals));
         }
         for ((angle, limit), error) in ANGLES.into_iter().zip(self.settings.limits_rad).zip(errors)
         {
             if libm::fabs(error) > limit {
-                return Err(Refusal::Correction(angle, error));
+                return Err(MeasurementRefusal::Correction(angle, error));
             }
         }
         let corrected = corrected(&self.scan, &errors, at);
-        self.scan = ScanStrategy::new(corrected).map_err(Refusal::Strategy)?;
+        self.scan = ScanStrategy::new(corrected).map_err(MeasurementRefusal::Strategy)?;
         self.covariance = covariance;
         self.epoch = at;
         Ok(residuals)
     }
 
-    fn check_time(&self, measurement: &Measurement, now: Instant) -> Result<(), Refusal> {
+    fn check_time(
+        &self,
+        measurement: &Measurement,
+        now: Instant,
+    ) -> Result<(), MeasurementRefusal> {
         if !SIGMAS_RAD.contains(&measurement.sigma_rad) {
-            return Err(Refusal::Sigma(measurement.sigma_rad));
+            return Err(MeasurementRefusal::Sigma(measurement.sigma_rad));
         }
         let age = now.since(measurement.at);
         if age > self.settings.max_age {
-            return Err(Refusal::Stale(age));
+            return Err(MeasurementRefusal::Stale(age));
         }
         let lead = measurement.at.since(now);
         if lead > self.settings.max_lead {
-            return Err(Refusal::Future(lead));
+            return Err(MeasurementRefusal::Future(lead));
         }
         // The first may stand at the epoch itself.
         let in_order =
             measurement.at > self.epoch || (self.accepted == 0 && measurement.at == self.epoch);
-        if in_order { Ok(()) } else { Err(Refusal::NotAfter(self.epoch)) }
+        if in_order { Ok(()) } else { Err(MeasurementRefusal::NotAfter(self.epoch)) }
     }
 
     fn propagated(&self, at: Instant) -> ErrorCovariance {
@@ -333,6 +340,11 @@ impl Tracker {
         covariance.propagate(at.since(self.epoch).seconds(), &self.settings.walks());
         covariance
     }
+}
+
+/// What a nominal strategy is known by.
+fn identity(scan: &ScanStrategy) -> u32 {
+    checksum(&scan.parameters().to_le_bytes())
 }
 
 /// What is known before any measurement.

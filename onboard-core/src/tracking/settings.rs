@@ -60,7 +60,7 @@ pub struct TrackerSettings {
 
 /// Why settings are illegal.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SettingsError {
+pub enum TrackerSettingsError {
     /// An angle's prior standard deviation (rad).
     AngleSigma(ScanAngle, f64),
     /// The precession rate's prior standard deviation (relative).
@@ -87,47 +87,47 @@ impl TrackerSettings {
     /// Checks every range.
     ///
     /// # Errors
-    /// [`SettingsError`] names the first setting out of its range, with its value.
+    /// [`TrackerSettingsError`] names the first setting out of its range, with its value.
     #[inline(never)]
-    pub fn check(&self) -> Result<(), SettingsError> {
+    pub fn check(&self) -> Result<(), TrackerSettingsError> {
         let within = |value: f64, most: f64| (0.0..=most).contains(&value);
         for (angle, sigma) in ANGLES.into_iter().zip(self.angle_sigmas_rad) {
             if !within(sigma, MAX_ANGLE_SIGMA_RAD) {
-                return Err(SettingsError::AngleSigma(angle, sigma));
+                return Err(TrackerSettingsError::AngleSigma(angle, sigma));
             }
         }
         for (angle, walk) in ANGLES.into_iter().zip(self.angle_walks) {
             if !within(walk, MAX_ANGLE_WALK) {
-                return Err(SettingsError::AngleWalk(angle, walk));
+                return Err(TrackerSettingsError::AngleWalk(angle, walk));
             }
         }
         for (angle, limit) in ANGLES.into_iter().zip(self.limits_rad) {
             if !(limit > 0.0 && limit <= FRAC_PI_2) {
-                return Err(SettingsError::Limit(angle, limit));
+                return Err(TrackerSettingsError::Limit(angle, limit));
             }
         }
         let [precession, spin] = self.rate_sigmas;
         let [precession_walk, spin_walk] = self.rate_walks;
         if !within(precession, MAX_RATE_SIGMA) {
-            return Err(SettingsError::PrecessionRateSigma(precession));
+            return Err(TrackerSettingsError::PrecessionRateSigma(precession));
         }
         if !within(spin, MAX_RATE_SIGMA) {
-            return Err(SettingsError::SpinRateSigma(spin));
+            return Err(TrackerSettingsError::SpinRateSigma(spin));
         }
         if !within(precession_walk, MAX_RATE_WALK) {
-            return Err(SettingsError::PrecessionRateWalk(precession_walk));
+            return Err(TrackerSettingsError::PrecessionRateWalk(precession_walk));
         }
         if !within(spin_walk, MAX_RATE_WALK) {
-            return Err(SettingsError::SpinRateWalk(spin_walk));
+            return Err(TrackerSettingsError::SpinRateWalk(spin_walk));
         }
         if self.max_age <= Duration::ZERO {
-            return Err(SettingsError::MaxAge(self.max_age));
+            return Err(TrackerSettingsError::MaxAge(self.max_age));
         }
         if self.max_lead < Duration::ZERO {
-            return Err(SettingsError::MaxLead(self.max_lead));
+            return Err(TrackerSettingsError::MaxLead(self.max_lead));
         }
         if !GATES.contains(&self.gate) {
-            return Err(SettingsError::Gate(self.gate));
+            return Err(TrackerSettingsError::Gate(self.gate));
         }
         Ok(())
     }
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn every_setting_has_a_range() {
-        use SettingsError as E;
+        use TrackerSettingsError as E;
         assert_eq!(LEGAL.check(), Ok(()));
         let with = |change: fn(&mut TrackerSettings)| {
             let mut settings = LEGAL;

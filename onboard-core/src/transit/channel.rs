@@ -16,6 +16,18 @@ pub struct Channel<'a> {
     search: Search,
     sun: SunModel<'a>,
     target: BodyTable<'a>,
+    part: Part,
+}
+
+/// How a finder treats a channel, in the order in which it turns to them; not part of the state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Part {
+    /// Searched in turn.
+    Active,
+    /// Could not be evaluated: tried again once no other channel is left.
+    Failed,
+    /// No longer wanted.
+    Retired,
 }
 
 impl<'a> Channel<'a> {
@@ -30,7 +42,7 @@ impl<'a> Channel<'a> {
         ends: (Instant, Instant),
     ) -> Self {
         let search = Search::new(scan, &Lookup { sun: &sun, target }, field, ends);
-        Self { search, sun, target }
+        Self { search, sun, target, part: Part::Active }
     }
 
     /// What to save, so that [`Self::resume`] goes on with the same bits.
@@ -42,6 +54,7 @@ impl<'a> Channel<'a> {
     /// Goes on from a saved state of the same search.
     pub const fn resume(&mut self, state: SearchState) {
         self.search.resume(state);
+        self.part = Part::Active;
     }
 
     /// Evaluations (Sun, target and phases at one instant) made so far; not part of the state.
@@ -54,6 +67,21 @@ impl<'a> Channel<'a> {
     #[must_use]
     pub const fn frontier(&self) -> Option<Instant> {
         self.search.frontier()
+    }
+
+    /// How the finder treats this channel.
+    pub(super) const fn part(&self) -> Part {
+        self.part
+    }
+
+    #[inline(never)]
+    pub(super) const fn set_part(&mut self, part: Part) {
+        self.part = part;
+    }
+
+    /// Takes back a transit that was taken just before.
+    pub(super) const fn take_back(&mut self, transit: Transit) {
+        self.search.take_back(transit);
     }
 
     /// Whether a whole transit waits to be taken.

@@ -19,6 +19,7 @@
 //! `tests/tests/visits.rs` compares with searches repeated under perturbed angles.
 
 use super::reach::{Edges, Reach};
+use super::search::{Lookup, Search};
 use super::sight::{Motion, Sight};
 use super::{Channel, Transit};
 use crate::ephemeris::EphemerisError;
@@ -89,6 +90,7 @@ impl Channel<'_> {
     ///
     /// # Errors
     /// [`EphemerisError::OutOfSpan`] beyond the tables.
+    // REQ-FORECAST-2.
     pub fn confidence(
         &self,
         transit: &Transit,
@@ -145,6 +147,26 @@ impl Channel<'_> {
             sigma_s: closest_sigma_s(&sight, &axes, motion, (reach.nearest(&sight), covariance)),
             ..Passage::new(&axes, &turning, &sight, (reach, covariance))
         })
+    }
+}
+
+impl Search {
+    /// By how many seconds an edge moves per radian of error in precession phase, alpha and spin
+    /// phase; `sense` is the sign of f' there. Makes an evaluation, which counts as the search's.
+    #[inline(never)]
+    pub(crate) fn edge_slopes_s(
+        &mut self,
+        at: Instant,
+        lookup: &Lookup<'_, '_>,
+        sense: f64,
+    ) -> Result<[f64; 3], EphemerisError> {
+        self.count();
+        let sight = self.sight_at(at, lookup)?;
+        let gradient = self.reach().crossed(&sight, sense);
+        let rate = libm::fabs(dot(&gradient, &sight.rate));
+        let axes = Axes::new(self.motion(), at);
+        let slope = |moved: f64| if libm::fabs(moved) > 0.0 { moved / rate } else { 0.0 };
+        Ok(axes.gradient(&gradient, &sight.direction).map(slope))
     }
 }
 

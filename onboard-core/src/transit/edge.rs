@@ -1,8 +1,18 @@
 //! The edge of a field of view: the caps that bound it, or a rectangle with a margin.
 //!
 //! f is positive inside: `cos(separation) - cos r` of a cap; of an enlarged rectangle, the largest of
-//! its points'. Each answer is a bound that holds for any motion whose f'' stays below the curvature
-//! given.
+//! its points'. Each answer holds for any motion whose f'' stays within the curvature M given.
+//!
+//! | equation | bound |
+//! |---|---|
+//! | `f(h) <= f + f' h + M h^2 / 2` | no crossing before the root of the right side, [`crossing_free`] |
+//! | the same for each point of a rectangle with a margin, the largest of them | [`Enlarged::stays_outside`] |
+//!
+//! Proof: Taylor's formula with the remainder at its largest. The right side is a parabola that opens
+//! upwards and is at most 0 at h = 0, so it has one root ahead. Of an enlarged rectangle, f is the
+//! largest over its points of functions with that bound, so the largest of the bounds bounds it.
+//!
+//! Requirements: REQ-TRANSIT-2.
 
 use super::SEPARATION_TOLERANCE_RAD;
 use super::sight::Sight;
@@ -11,6 +21,8 @@ use crate::trigonometry;
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 
+/// Slack in radians, or in a cosine, for rounding in the closed forms of the gates.
+pub(super) const ROUNDING: f64 = 1e-12;
 /// Refinements of the certified step towards an enlarged rectangle.
 const CHORDS: usize = 6;
 
@@ -48,13 +60,14 @@ pub(super) struct Enlarged {
 
 impl Cap {
     /// A side of a rectangle, by the pole of its great circle.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn side(axis: Vector3<f64>) -> Self {
         let sin_beta = libm::hypot(axis.x, axis.y);
         Self { axis, sin_beta, versine: 1.0, tolerance: tolerance(FRAC_PI_2) }
     }
 
     /// f = cos(separation) - cos r, and its derivative.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn depth(&self, sight: &Sight) -> (f64, f64) {
         let (closeness, rate) = closeness(&self.axis, sight);
         (self.versine + closeness, rate)
@@ -124,7 +137,7 @@ impl Enlarged {
 }
 
 /// Seconds back to f = 0 where f' has the sign given; 0 or infinity where Newton cannot tell.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn newton((depth, rate): (f64, f64), sense: f64) -> f64 {
     if rate * sense > 0.0 {
         libm::fmax(depth / rate, 0.0)
@@ -146,7 +159,7 @@ pub(super) fn squared(v: &Vector3<f64>) -> f64 {
 }
 
 /// `e . w - 1` from the chord, so that small separations keep their digits, and its derivative.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn closeness(axis: &Vector3<f64>, sight: &Sight) -> (f64, f64) {
     let chord = axis - sight.direction;
     let squared = chord.x * chord.x + chord.y * chord.y + chord.z * chord.z;
@@ -166,10 +179,68 @@ pub(super) fn tolerance(radius: f64) -> f64 {
 }
 
 /// Seconds h up to which `f + f' h + M h^2/2` stays below `tolerance`, for f <= 0.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn crossing_free(f: f64, rate: f64, curvature: f64, tolerance: f64) -> f64 {
     let missing = tolerance - f;
     let root = libm::sqrt(rate * rate + 2.0 * curvature * missing);
     // Two forms of the same root, each without cancellation.
     if rate >= 0.0 { 2.0 * missing / (rate + root) } else { (root - rate) / curvature }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cases::{Case, noise};
+    use super::*;
+
+    #[test]
+    fn nothing_crosses_before_the_parabolas_root() {
+        let mut longest = 0.0_f64;
+        for index in 0..2_000 {
+            let number = |k: u64| noise(index * 8 + k);
+            let (f, rate) = (-number(0) * number(1), 2.0 * number(2) - 1.0);
+            let (curvature, slack) = (0.1 + number(3), 1e-9 * number(4));
+            let seconds = crossing_free(f, rate, curvature, slack);
+            let parabola = |h: f64| f + rate * h + 0.5 * curvature * h * h;
+            for share in [0.0, 0.1, 0.5, 0.9, 1.0] {
+                assert!(parabola(share * seconds) <= slack + 1e-12);
+            }
+            longest = longest.max(libm::fabs(parabola(seconds) - slack));
+        }
+        assert!(longest < 1e-12, "{longest:e}");
+    }
+
+    #[test]
+    // REQ-TRANSIT-2.
+    fn nothing_crosses_within_a_certified_step() {
+        let (mut inside, mut outside) = (0, 0);
+        for case in Case::many(6_000) {
+            let reach = case.reach();
+            let t = noise(11) * 50.0;
+            let sight = case.sight(t);
+            let now = reach.inside(&sight);
+            let seconds = if now {
+                inside += 1;
+                reach.stays_inside(&case.motion, &sight)
+            } else {
+                outside += 1;
+                reach.approach(&case.motion, &sight)
+            };
+            for k in 0..50 {
+                // Up to the edge, which may go either way.
+                let there = case.sight(t + 0.9999 * seconds * f64::from(k) / 49.0);
+                assert_eq!(reach.inside(&there), now, "{case:?} at {t} for {seconds}");
+            }
+        }
+        assert!(inside > 40 && outside > 1_000, "{inside} {outside}");
+    }
+
+    #[test]
+    fn depths_and_their_rates_are_derivatives_of_each_other() {
+        for case in Case::many(500) {
+            let (reach, t, h) = (case.reach(), noise(12) * 50.0, 1e-6);
+            let at = |t: f64| reach.closeness(&case.sight(t));
+            let slope = (at(t + h).0 - at(t - h).0) / (2.0 * h);
+            assert!((slope - at(t).1).abs() < 1e-6, "{slope} {}", at(t).1);
+        }
+    }
 }

@@ -12,7 +12,7 @@
 //! Method: from each instant a span of time that provably holds no entry (or no exit) is skipped.
 //!
 //! 1. The target's angle gamma from the anti-Sun axis moves at most at the sum of the bounds in the
-//!    tables; outside the annulus that the scan reaches, days are skipped (`reach.rs`).
+//!    tables; outside the annulus that the scan reaches, days are skipped (`anti_sun_gate.rs`).
 //! 2. The target's angle delta from the spin axis follows `cos delta = cos alpha cos gamma +
 //!    sin alpha sin gamma cos x` in the exact precession phase; with a margin for gamma's motion the
 //!    next passage of the field's annulus has a closed form.
@@ -21,22 +21,34 @@
 //! 4. Close by, `f = cos(separation) - cos r` obeys `|f''| <= M`, so `f + f' h + M h^2/2 < 0`
 //!    certifies h seconds. The steps converge on a crossing quadratically and never pass it.
 //!
+//! A table's bounds hold within each of its series. Where one series follows another, at a burn above
+//! all, direction, rate and second derivative may jump: no skipped span reaches over such a joint, so
+//! the search evaluates on both sides of it, and a jump across the edge is an entry or exit there.
+//!
 //! Limits: crossings shallower than [`SEPARATION_TOLERANCE_RAD`] may be missed or reported; entry
 //! and exit are within that separation of the boundary. Where one transit holds several approaches
 //! (fields wider than a sixteenth of a spin turn), the closest is the deepest of those told apart at
 //! that spacing. `tests/tests/transits.rs` compares with dense sampling and with independent values.
 
-mod channel;
+mod sight;
 mod edge;
+mod rates;
+mod anti_sun_gate;
+mod precession_gate;
+mod spin_gate;
+mod reach;
 mod search;
+mod saved;
+mod channel;
 mod confidence;
 mod finder;
-mod reach;
-mod sight;
+#[cfg(test)]
+mod cases;
 
 pub use channel::Channel;
 pub use confidence::{Confidence, EVALUATIONS_PER_CONFIDENCE};
 pub use finder::{Step, TransitFinder};
+pub use saved::{SEARCH_BYTES, SearchOrigin};
 pub(crate) use search::{Lookup, Search};
 pub use search::{MAX_EVALUATIONS_PER_STEP, SearchState};
 pub(crate) use sight::Seen;

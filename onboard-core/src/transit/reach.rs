@@ -1,27 +1,25 @@
 //! What the field of view can reach, and for how long it provably cannot.
 //!
 //! All answers are spans in seconds from the instant of a [`Sight`] during which no entry (or, when
-//! inside, no exit) can happen. Each bound holds for any motion within the tables' bounds.
+//! inside, no exit) can happen: the longest that one of the gates gives. Each gate has its equation,
+//! bound and proof at its head (`anti_sun_gate.rs`, `precession_gate.rs`, `spin_gate.rs`; the bound on
+//! f'' in `rates.rs`, what follows from it in `edge.rs`), and holds for any motion within the tables'
+//! bounds. That each is longest somewhere only makes the search fast; none changes its result.
 
+use super::anti_sun_gate::AntiSunGate;
 use super::edge::{
     Cap, Edge, Enlarged, closeness, crossing_free, newton, separation, tolerance, versine,
 };
+use super::precession_gate::PrecessionGate;
+use super::rates::Rates;
 use super::sight::{Motion, Sight};
+use super::spin_gate::SpinGate;
 use crate::field_of_view::{Caps, FieldOfView, FieldShape};
 use crate::rectangle::Rectangle;
 use crate::sun::RelativeBounds;
 use crate::trigonometry;
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use core::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Vector3;
-
-/// Slack in radians, or in a cosine, for rounding in the closed forms.
-const ROUNDING: f64 = 1e-12;
-/// Horizons tried by the precession gate, the longest first; each is an eighth of the one before.
-const HORIZONS: usize = 3;
-/// Margin in radians that the longest horizon may cost where the field of view is smaller.
-const LONGEST_MARGIN_RAD: f64 = 4e-3;
-/// Relative inflation of the bound on f'' for rounding.
-const CURVATURE_ROUNDING: f64 = 1.0 + 1e-9;
 
 /// Least and largest angle of a field's points from an axis.
 #[derive(Debug, Clone, Copy)]
@@ -30,61 +28,41 @@ pub(super) struct Edges {
     pub(super) far: f64,
 }
 
-/// The precession gate's margins for one horizon.
-#[derive(Debug, Clone, Copy)]
-struct Horizon {
-    seconds: f64,
-    /// Cosine of the annulus' far edge, widened.
-    cos_far: f64,
-    /// Cosine of its near edge, widened.
-    cos_near: f64,
-}
-
 /// One channel's field of view about the spin axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reach {
-    centre: Vector3<f64>,
+    pub(super) centre: Vector3<f64>,
     edge: Edge,
     /// Radius of the circle that separations count from: 0, or an enlarged circle's own.
     core_rad: f64,
     /// A circle's radius, or an enlarged rectangle's margin.
     margin_rad: f64,
-    gamma_min: f64,
-    gamma_max: f64,
-    horizons: [Horizon; HORIZONS],
-    /// Half-width in azimuth about the spin axis; none where the field holds the axis.
-    half_width: Option<f64>,
-    bounds: RelativeBounds,
-    /// Longest certified step of the last kind, s.
-    longest_step: f64,
-    /// Largest rate of delta, rad/s.
-    delta_rate: f64,
+    anti_sun: AntiSunGate,
+    precession: PrecessionGate,
+    spin: SpinGate,
+    rates: Rates,
 }
 
 impl Reach {
     /// Before a field of view is known.
     pub(super) const NOTHING: Self = {
         let zero = Vector3::new(0.0, 0.0, 0.0);
-        let horizon = Horizon { seconds: 0.0, cos_far: 0.0, cos_near: 0.0 };
         Self {
             centre: zero,
             edge: Edge::Circle([Cap { axis: zero, sin_beta: 0.0, versine: 0.0, tolerance: 0.0 }]),
             core_rad: 0.0,
             margin_rad: 0.0,
-            gamma_min: 0.0,
-            gamma_max: 0.0,
-            horizons: [horizon; HORIZONS],
-            half_width: None,
-            bounds: RelativeBounds { rate: 0.0, acceleration: 0.0 },
-            longest_step: 0.0,
-            delta_rate: 0.0,
+            anti_sun: AntiSunGate::NOTHING,
+            precession: PrecessionGate::NOTHING,
+            spin: SpinGate::NOTHING,
+            rates: Rates::NOTHING,
         }
     };
 
     /// Takes up a field of view, in place.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn set(&mut self, motion: &Motion, field: &FieldOfView, bounds: RelativeBounds) {
-        self.bounds = bounds;
+        self.rates = Rates::new(motion, bounds);
         self.centre = motion.scan.boresight_in_spin().rotate(field.centre().vector());
         let margin = field.margin_rad();
         (self.core_rad, self.margin_rad) = match field.shape() {
@@ -92,34 +70,17 @@ impl Reach {
             FieldShape::Circle(_) => (0.0, field.reach_rad()),
             FieldShape::Rectangle(..) => (0.0, margin),
         };
-        self.longest_step = TAU / 16.0 / (libm::fabs(motion.precession) + libm::fabs(motion.spin));
-        self.delta_rate = libm::fabs(motion.precession) * motion.sin_alpha + bounds.rate;
         self.set_gates(motion, field.reach_rad());
         self.set_edge(motion, field);
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn set_gates(&mut self, motion: &Motion, reach: f64) {
         let sin_beta = libm::hypot(self.centre.x, self.centre.y);
         let beta = libm::atan2(sin_beta, self.centre.z);
-        let alpha = motion.scan.parameters().alpha_rad;
-        let rate = self.bounds.rate;
-        let widest = libm::fmax(reach, LONGEST_MARGIN_RAD);
-        let longest =
-            libm::fmin(TAU / libm::fabs(motion.precession), libm::fmin(widest / rate, f64::MAX));
-        for (horizon, share) in self.horizons.iter_mut().zip([1.0, 8.0, 64.0]) {
-            let seconds = longest / share;
-            let margin = rate * seconds + ROUNDING;
-            let (near, far) = (beta - reach - margin, beta + reach + margin);
-            horizon.seconds = seconds;
-            horizon.cos_far = if far >= PI { -2.0 } else { trigonometry::cos(far) - ROUNDING };
-            horizon.cos_near = if near <= 0.0 { 2.0 } else { trigonometry::cos(near) + ROUNDING };
-        }
-        self.gamma_min = libm::fabs(alpha - beta) - reach - ROUNDING;
-        self.gamma_max = PI - libm::fabs(PI - alpha - beta) + reach + ROUNDING;
-        let holds_axis = reach + ROUNDING >= beta || reach + ROUNDING >= PI - beta;
-        self.half_width = (!holds_axis)
-            .then(|| libm::asin(libm::fmin(trigonometry::sin(reach) / sin_beta, 1.0)) + ROUNDING);
+        self.precession.set(motion, (beta, reach), self.rates.target.rate);
+        self.anti_sun = AntiSunGate::new(motion.scan.parameters().alpha_rad, beta, reach);
+        self.spin = SpinGate::new((sin_beta, beta), reach);
     }
 
     fn set_edge(&mut self, motion: &Motion, field: &FieldOfView) {
@@ -132,7 +93,7 @@ impl Reach {
         }
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn circle(&self, reach: f64) -> Cap {
         Cap {
             axis: self.centre,
@@ -142,14 +103,14 @@ impl Reach {
         }
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn set_sides(&mut self, motion: &Motion, field: &FieldOfView) {
         let Caps::Rectangle(poles) = field.caps() else { return };
         let into_spin = motion.scan.boresight_in_spin();
         self.edge = Edge::Rectangle(poles.map(|pole| Cap::side(into_spin.rotate(pole))));
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn set_enlarged(&mut self, motion: &Motion, field: &FieldOfView) {
         let Some(rectangle) = field.rectangle_axes() else { return };
         let (reach, margin) = (field.reach_rad(), field.margin_rad());
@@ -167,6 +128,11 @@ impl Reach {
             versine: versine(margin),
             tolerance: tolerance(margin),
         });
+    }
+
+    /// Whether the edge is made of sides, along which the separation from the centre differs.
+    pub(super) const fn has_sides(&self) -> bool {
+        matches!(self.edge, Edge::Rectangle(_))
     }
 
     /// The caps whose intersection the field is; none for an enlarged rectangle.
@@ -189,24 +155,24 @@ impl Reach {
 
     /// Separation in radians for a closeness: from the centre, of an enlarged field from the field
     /// as it was.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn separation_rad(&self, closeness: f64) -> f64 {
         let chord = libm::sqrt(libm::fmax(-0.5 * closeness, 0.0));
         libm::fmax(2.0 * libm::asin(libm::fmin(chord, 1.0)) - self.core_rad, 0.0)
     }
 
     /// Largest second derivative of the closeness near the sight.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn closeness_curvature(&self, motion: &Motion, sight: &Sight) -> f64 {
         let sin_beta = match &self.edge {
             Edge::Enlarged(enlarged) => enlarged.sin_beta,
             _ => libm::hypot(self.centre.x, self.centre.y),
         };
-        self.curvature(motion, sight, sin_beta)
+        self.rates.curvature(motion, sight, sin_beta)
     }
 
     /// Whether the target is inside.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn inside(&self, sight: &Sight) -> bool {
         match &self.edge {
             Edge::Enlarged(enlarged) => enlarged.depth(sight).0 >= 0.0,
@@ -215,7 +181,7 @@ impl Reach {
     }
 
     /// Seconds back from a sight just inside to the entry, by one Newton step.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn since_entry(&self, sight: &Sight) -> f64 {
         if let Edge::Enlarged(enlarged) = &self.edge {
             return newton(enlarged.depth(sight), 1.0);
@@ -226,7 +192,7 @@ impl Reach {
     }
 
     /// Seconds back from a sight just outside to the exit, by one Newton step.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn since_exit(&self, sight: &Sight) -> f64 {
         if let Edge::Enlarged(enlarged) = &self.edge {
             return newton(enlarged.depth(sight), -1.0);
@@ -284,120 +250,66 @@ impl Reach {
     }
 
     /// Seconds without an exit, from a sight that is inside.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn stays_inside(&self, motion: &Motion, sight: &Sight) -> f64 {
         let holds = |(depth, rate): (f64, f64), sin_beta: f64, tolerance: f64| {
             crossing_free(
                 -libm::fmax(depth, 0.0),
                 -rate,
-                self.curvature(motion, sight, sin_beta),
+                self.rates.curvature(motion, sight, sin_beta),
                 tolerance,
             )
         };
         if let Edge::Enlarged(enlarged) = &self.edge {
             // Inside while the point that is nearest now stays within the margin.
             let seconds = holds(enlarged.depth(sight), enlarged.sin_beta, enlarged.tolerance);
-            return libm::fmin(seconds, self.longest_step);
+            return libm::fmin(seconds, self.rates.longest_step_s);
         }
         let caps = self.caps().iter();
         caps.map(|cap| holds(cap.depth(sight), cap.sin_beta, cap.tolerance))
-            .fold(self.longest_step, libm::fmin)
+            .fold(self.rates.longest_step_s, libm::fmin)
     }
 
     /// Seconds without an entry, from a sight that is outside.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn stays_outside(&self, motion: &Motion, sight: &Sight) -> f64 {
-        let gamma = libm::atan2(sight.sin_gamma, sight.cos_gamma);
-        let short = libm::fmax(self.gamma_min - gamma, gamma - self.gamma_max);
-        if short > 0.0 {
-            return short / self.bounds.rate;
+        let seconds = self.anti_sun.seconds(sight, self.rates.target.rate);
+        if seconds > 0.0 {
+            return seconds;
         }
         // A gate alone would creep up to its edge in ever smaller steps: near it, the bound on f''
         // takes over, since most passages of an edge are no transits.
-        let mut wait = 0.0;
-        for horizon in &self.horizons {
-            wait = precession_gate(motion, sight, horizon, 0.0);
-            if wait > 0.0 {
-                break;
+        let longest_step = self.rates.longest_step_s;
+        let mut wait = self.precession.seconds(motion, sight);
+        if wait < longest_step {
+            let turning = self.spin.seconds(motion, sight, (&self.centre, &self.rates));
+            wait = libm::fmax(wait, turning);
+            if wait >= longest_step {
+                wait = self.precession.seconds_from(motion, sight, wait);
             }
         }
-        if wait < self.longest_step {
-            wait = libm::fmax(wait, self.spin_gate(motion, sight));
-            if wait >= self.longest_step {
-                let [longest, ..] = &self.horizons;
-                wait = precession_gate(motion, sight, longest, wait);
-            }
-        }
-        if wait < self.longest_step {
+        if wait < longest_step {
             wait = libm::fmax(wait, self.approach(motion, sight));
         }
         wait
     }
 
-    /// Seconds until the field's azimuth about the spin axis can match the target's.
-    #[inline(never)]
-    fn spin_gate(&self, motion: &Motion, sight: &Sight) -> f64 {
-        let Some(half_width) = self.half_width else { return 0.0 };
-        let (e, w) = (self.centre, sight.direction);
-        let azimuth = libm::atan2(e.x * w.y - e.y * w.x, e.x * w.x + e.y * w.y);
-        if libm::fabs(azimuth) <= half_width {
-            return 0.0;
-        }
-        // Over the horizon delta stays within half its distance from the nearer pole.
-        let delta = libm::atan2(sight.sin_delta, sight.cos_delta);
-        let pole = libm::fmin(delta, PI - delta);
-        let mean = motion.spin + motion.precession * motion.cos_alpha;
-        let horizon = libm::fmin(
-            TAU / (libm::fabs(motion.spin) + libm::fabs(motion.precession)),
-            0.5 * pole / self.delta_rate,
-        );
-        let closest_to_pole = pole - self.delta_rate * horizon;
-        let (sin, cos) = trigonometry::sin_cos(closest_to_pole);
-        let spread = (libm::fabs(motion.precession) * motion.sin_alpha * libm::fabs(cos)
-            + self.bounds.rate)
-            / libm::fmax(sin, ROUNDING);
-        // azimuth' lies in -mean +- spread.
-        let ahead = if libm::fabs(mean) > spread {
-            let along = if mean < 0.0 { azimuth } else { -azimuth };
-            if along < 0.0 { -along - half_width } else { TAU - along - half_width }
-        } else {
-            libm::fabs(azimuth) - half_width
-        };
-        libm::fmin(ahead / (libm::fabs(mean) + spread), horizon)
-    }
-
     /// Seconds without an entry by the bound on f''.
-    #[inline(never)]
-    fn approach(&self, motion: &Motion, sight: &Sight) -> f64 {
+    #[cfg_attr(target_os = "none", inline(never))]
+    pub(super) fn approach(&self, motion: &Motion, sight: &Sight) -> f64 {
         if let Edge::Enlarged(enlarged) = &self.edge {
-            let curvature = self.curvature(motion, sight, enlarged.sin_beta);
-            return enlarged.stays_outside(sight, curvature, self.longest_step);
+            let curvature = self.rates.curvature(motion, sight, enlarged.sin_beta);
+            return enlarged.stays_outside(sight, curvature, self.rates.longest_step_s);
         }
         let mut longest = 0.0;
         for cap in self.caps() {
             let (depth, rate) = cap.depth(sight);
             if depth < 0.0 {
-                let curvature = self.curvature(motion, sight, cap.sin_beta);
+                let curvature = self.rates.curvature(motion, sight, cap.sin_beta);
                 longest = libm::fmax(longest, crossing_free(depth, rate, curvature, cap.tolerance));
             }
         }
-        libm::fmin(longest, self.longest_step)
-    }
-
-    /// Bound on |f''| for an axis at `sin_beta` from the spin axis, over the longest step.
-    ///
-    /// `n'' = w_a^2 z x (z x n) + 2 w_a w_b z x (s x n) + w_b^2 s x (s x n)`, projected on the target:
-    /// at most `w_a^2 sin gamma + 2 |w_a w_b| sin gamma sin beta + w_b^2 sin delta sin beta`; the
-    /// target's own motion adds `2 |n'| rate + acceleration`.
-    #[inline(never)]
-    fn curvature(&self, motion: &Motion, sight: &Sight, sin_beta: f64) -> f64 {
-        let (a, b) = (libm::fabs(motion.precession), libm::fabs(motion.spin));
-        let sin_gamma = libm::fmin(sight.sin_gamma + self.bounds.rate * self.longest_step, 1.0);
-        let sin_delta = libm::fmin(sight.sin_delta + self.delta_rate * self.longest_step, 1.0);
-        let scan =
-            a * a * sin_gamma + 2.0 * a * b * sin_gamma * sin_beta + b * b * sin_delta * sin_beta;
-        let drift = 2.0 * (b * sin_beta + a) * self.bounds.rate + self.bounds.acceleration;
-        (scan + drift) * CURVATURE_ROUNDING
+        libm::fmin(longest, self.rates.longest_step_s)
     }
 }
 
@@ -407,42 +319,4 @@ fn largest_sine(beta: f64, reach: f64) -> f64 {
         return 1.0;
     }
     libm::fmax(trigonometry::sin(beta - reach), trigonometry::sin(beta + reach))
-}
-
-/// Seconds, not less than `from`, until the target's angle from the spin axis can be within the
-/// field's annulus.
-///
-/// `cos delta = cos alpha cos gamma + sin alpha sin gamma cos x`, x the precession phase from the
-/// target's azimuth; gamma and the azimuth move by less than the horizon's margin.
-fn precession_gate(motion: &Motion, sight: &Sight, horizon: &Horizon, from: f64) -> f64 {
-    let mean = motion.cos_alpha * sight.cos_gamma;
-    let swing = motion.sin_alpha * sight.sin_gamma;
-    if from >= horizon.seconds {
-        return from;
-    }
-    if mean + swing < horizon.cos_far || mean - swing > horizon.cos_near {
-        return horizon.seconds;
-    }
-    if swing < ROUNDING {
-        return from;
-    }
-    let outer = libm::acos((horizon.cos_far - mean).max(-swing).min(swing) / swing);
-    let inner = libm::acos((horizon.cos_near - mean).max(-swing).min(swing) / swing);
-    let (east, north) = sight.precessed;
-    let turned = libm::fabs(motion.precession) * from;
-    let now = libm::atan2(libm::copysign(north, -north * motion.precession), east) + turned;
-    let x = now - TAU * libm::round(now / TAU);
-    let ahead = if x < -outer {
-        -outer - x
-    } else if x <= -inner {
-        0.0
-    } else if x < inner {
-        inner - x
-    } else if x <= outer {
-        0.0
-    } else {
-        TAU - outer - x
-    };
-    let wait = from + libm::fmax(ahead - ROUNDING, 0.0) / libm::fabs(motion.precession);
-    libm::fmin(wait, horizon.seconds)
 }

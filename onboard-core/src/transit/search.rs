@@ -8,36 +8,35 @@ use crate::field_of_view::FieldOfView;
 use crate::scan::ScanStrategy;
 use crate::sun::{RelativeBounds, SunModel};
 use crate::time::{Duration, Instant};
-use serde::{Deserialize, Serialize};
 
 /// Most evaluations (Sun, target and phases at one instant) that one step of the search makes.
 pub const MAX_EVALUATIONS_PER_STEP: u32 = 13;
 
 /// Evaluations spent on one closest approach.
 const REFINEMENTS: u32 = MAX_EVALUATIONS_PER_STEP - 1;
-/// Newton's correction of an entry or exit never exceeds this, in seconds.
-const LONGEST_CORRECTION_S: f64 = 1e-3;
+/// Newton's correction of an entry or exit never exceeds this, in ns.
+const LONGEST_CORRECTION_NS: i64 = 1_000_000;
 
-/// All that a search must remember to go on with the same bits.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// All that a search must remember to go on with the same bits: [`SearchState::to_le_bytes`] saves it.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchState {
     /// Next instant to evaluate; no entry before it is unknown.
-    at: Instant,
-    end: Instant,
-    previous: Option<Approach>,
-    stage: Stage,
+    pub(super) at: Instant,
+    pub(super) end: Instant,
+    pub(super) previous: Option<Approach>,
+    pub(super) stage: Stage,
 }
 
 /// How close the target was at one instant.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Approach {
-    at: Instant,
-    closeness: f64,
-    rate: f64,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Approach {
+    pub(super) at: Instant,
+    pub(super) closeness: f64,
+    pub(super) rate: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-enum Stage {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Stage {
     Outside,
     Inside(Visit),
     Found(Transit),
@@ -45,22 +44,24 @@ enum Stage {
 }
 
 /// A transit in progress.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Visit {
-    entry: Instant,
-    clipped: bool,
-    best: Approach,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Visit {
+    pub(super) entry: Instant,
+    pub(super) clipped: bool,
+    pub(super) best: Approach,
 }
 
 /// One evaluation, and what it certifies.
 #[derive(Debug, Clone, Copy)]
-struct Survey {
+struct Certificate {
     now: Approach,
     inside: bool,
-    /// Seconds back to the entry or exit, where the boundary was crossed.
-    since_s: f64,
-    /// Seconds ahead without another crossing.
+    /// The entry or exit, where the boundary was crossed since the previous evaluation.
+    crossing: Option<Instant>,
+    /// Seconds ahead without another crossing, as long as the motion has no joint.
     stays_s: f64,
+    /// Where the next evaluation must lie at the latest: no joint is passed unseen.
+    latest: Instant,
     /// Largest second derivative of the closeness, 1/s^2.
     curvature: f64,
 }
@@ -109,7 +110,7 @@ impl Search {
     }
 
     /// Becomes a search from `start` to `end`, both included; in place, to spare the stack.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn set(
         &mut self,
         scan: &ScanStrategy,
@@ -140,9 +141,15 @@ impl Search {
     }
 
     /// No transit that is still to come from this channel begins before this instant.
+    ///
+    /// An entry seen at the next instant may be corrected back ([`earliest`]).
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) const fn frontier(&self) -> Option<Instant> {
         match self.state.stage {
-            Stage::Outside => Some(self.state.at),
+            Stage::Outside => Some(match self.state.previous {
+                Some(before) => earliest(self.state.at, before.at),
+                None => self.state.at,
+            }),
             Stage::Inside(visit) => Some(visit.entry),
             Stage::Found(transit) => Some(transit.entry),
             Stage::Done => None,
@@ -161,11 +168,17 @@ impl Search {
         Some(transit)
     }
 
+    /// Takes back a transit that was taken just before, to be taken again.
+    pub(super) const fn take_back(&mut self, transit: Transit) {
+        self.state.stage = Stage::Found(transit);
+    }
+
     /// Searches on by one certified span: at most [`MAX_EVALUATIONS_PER_STEP`] evaluations.
     ///
     /// In three parts, so that no frame of one lies below the evaluations of another; `seen` is
     /// their working memory, lent for the same reason.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
+    // REQ-TRANSIT-1.
     pub(crate) fn advance(
         &mut self,
         lookup: &Lookup<'_, '_>,
@@ -173,76 +186,91 @@ impl Search {
     ) -> Result<(), EphemerisError> {
         let at = self.state.at;
         self.see(at, lookup, seen)?;
-        let survey = self.survey(at, seen);
-        let summit = self.summit(&survey, lookup, seen)?;
-        self.conclude(&survey, summit);
+        let certificate = self.certify(at, seen);
+        let summit = self.summit(&certificate, lookup, seen)?;
+        self.conclude(&certificate, summit);
         Ok(())
     }
 
     /// What follows, in this stage, from what is seen.
-    #[inline(never)]
-    fn survey(&self, at: Instant, seen: &Seen) -> Survey {
+    #[cfg_attr(target_os = "none", inline(never))]
+    // REQ-TRANSIT-1.
+    fn certify(&self, at: Instant, seen: &Seen) -> Certificate {
         let sight = Sight::new(&self.motion, seen);
         let (closeness, rate) = self.reach.closeness(&sight);
         let now = Approach { at, closeness, rate };
         let inside = self.reach.inside(&sight);
         let was_inside = matches!(self.state.stage, Stage::Inside(_));
-        let since_s = match (was_inside, inside) {
-            (false, true) => self.reach.since_entry(&sight),
-            (true, false) => self.reach.since_exit(&sight),
-            _ => 0.0,
-        };
+        let crossing = self.state.previous.and_then(|before| match (was_inside, inside) {
+            (false, true) => {
+                let seconds = self.reach.since_entry(&sight);
+                // Outside a ns ago and inside for longer, as from here it seems: it jumped in.
+                let jumped = at.since(before.at).ns() == 1 && seconds > 1.5e-9;
+                Some(if jumped { at } else { back(at, seconds, before.at) })
+            }
+            (true, false) => Some(back(at, self.reach.since_exit(&sight), before.at)),
+            _ => None,
+        });
         let stays_s = match (was_inside, inside) {
             (_, true) => self.reach.stays_inside(&self.motion, &sight),
             (false, false) => self.reach.stays_outside(&self.motion, &sight),
             (true, false) => 0.0,
         };
         let curvature = self.reach.closeness_curvature(&self.motion, &sight);
-        Survey { now, inside, since_s, stays_s, curvature }
+        Certificate { now, inside, crossing, stays_s, latest: seen.latest_step(at), curvature }
     }
 
-    /// The visit that the survey finds in progress, before any summit is known.
-    #[inline(never)]
-    fn visit(&self, seen: &Survey) -> Option<Visit> {
-        let now = seen.now;
+    /// The visit that the evaluation finds in progress, before any summit is known.
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn visit(&self, seen: &Certificate) -> Option<Visit> {
         match self.state.stage {
             Stage::Inside(visit) => Some(visit),
-            Stage::Outside if seen.inside => {
-                let entry = match self.state.previous {
-                    Some(before) => back(now.at, seen.since_s, before.at),
-                    None => now.at,
-                };
-                let clipped = self.state.previous.is_none();
-                Some(Visit { entry, clipped, best: Approach { at: entry, ..now } })
-            }
+            Stage::Outside if seen.inside => Some(Visit {
+                entry: seen.crossing.unwrap_or(seen.now.at),
+                clipped: seen.crossing.is_none(),
+                best: seen.now,
+            }),
             Stage::Outside | Stage::Found(_) | Stage::Done => None,
         }
     }
 
-    /// The previous evaluation, where an approach closer than the best may lie since then.
-    #[inline(never)]
-    fn rising(&self, seen: &Survey) -> Option<Approach> {
-        let (now, best) = (seen.now, self.visit(seen)?.best);
-        let before = self.state.previous?;
-        if !(before.rate > 0.0 && now.rate <= 0.0) {
-            return None;
+    /// The entry or exit since the previous evaluation, where the closest approach may lie there: in
+    /// a rectangle the target may come closer to the centre up to an exit, or go away from an entry
+    /// on. Elsewhere an edge is the farthest part of a transit.
+    #[cfg_attr(target_os = "none", inline(never))]
+    // REQ-TRANSIT-5.
+    fn closest_at_the_edge(&self, seen: &Certificate) -> Option<Instant> {
+        let (crossing, before) = (seen.crossing?, self.state.previous?);
+        let closer = if seen.inside {
+            seen.now.rate <= 0.0
+        } else {
+            seen.now.rate > 0.0 || before.rate > 0.0
+        };
+        (self.reach.has_sides() && closer).then_some(crossing)
+    }
+
+    /// Whether an approach closer than the best may lie between two instants.
+    fn rises(&self, seen: &Certificate, (low, high): (&Approach, &Approach)) -> bool {
+        let Some(visit) = self.visit(seen) else { return false };
+        if !(low.rate > 0.0 && high.rate <= 0.0) {
+            return false;
         }
-        let span = now.at.since(before.at).seconds();
+        let span = high.at.since(low.at).seconds();
         let ceiling =
-            libm::fmax(before.closeness, now.closeness) + 0.125 * seen.curvature * span * span;
-        (ceiling > best.closeness).then_some(before)
+            libm::fmax(low.closeness, high.closeness) + 0.125 * seen.curvature * span * span;
+        ceiling > visit.best.closeness
     }
 
     /// Moves the state on by what was seen.
-    #[inline(never)]
-    fn conclude(&mut self, seen: &Survey, summit: Option<Approach>) {
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn conclude(&mut self, seen: &Certificate, summit: Option<Approach>) {
         let now = seen.now;
         let Some(mut visit) = self.visit(seen) else {
             if self.state.stage == Stage::Outside {
                 if now.at >= self.state.end {
                     self.state.stage = Stage::Done;
                 } else {
-                    self.move_on(now, seen.stays_s);
+                    self.move_on(seen);
                 }
             }
             return;
@@ -253,9 +281,7 @@ impl Search {
             visit.best = summit;
         }
         if !seen.inside {
-            let inside_until = self.state.previous.map_or(now.at, |before| before.at);
-            let exit = back(now.at, seen.since_s, inside_until);
-            self.finish(visit, visit.best, exit, false);
+            self.finish(visit, visit.best, seen.crossing.unwrap_or(now.at), false);
             self.state.previous = Some(now);
             return;
         }
@@ -266,30 +292,36 @@ impl Search {
             self.finish(visit, visit.best, now.at, true);
         } else {
             self.state.stage = Stage::Inside(visit);
-            self.move_on(now, seen.stays_s);
+            self.move_on(seen);
         }
     }
 
     /// The one place where the search evaluates, so that the count is whole.
+    #[cfg_attr(target_os = "none", inline(never))]
     fn see(
         &mut self,
         at: Instant,
         lookup: &Lookup<'_, '_>,
         seen: &mut Seen,
     ) -> Result<(), EphemerisError> {
+        self.count();
+        seen.evaluate(at, &self.motion, lookup.sun, lookup.target)
+    }
+
+    /// Counts an evaluation.
+    pub(super) const fn count(&mut self) {
         self.evaluations = self.evaluations.wrapping_add(1);
-        seen.look(at, &self.motion, lookup.sun, lookup.target)
     }
 
     /// The target at any instant; not counted.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn sight_at(
         &self,
         at: Instant,
         lookup: &Lookup<'_, '_>,
     ) -> Result<Sight, EphemerisError> {
         let mut seen = Seen::NOTHING;
-        seen.look(at, &self.motion, lookup.sun, lookup.target)?;
+        seen.evaluate(at, &self.motion, lookup.sun, lookup.target)?;
         Ok(Sight::new(&self.motion, &seen))
     }
 
@@ -302,19 +334,22 @@ impl Search {
     }
 
     /// How close the target is at `at`.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn approach(&self, at: Instant, seen: &Seen) -> Approach {
         let (closeness, rate) = self.reach.closeness(&Sight::new(&self.motion, seen));
         Approach { at, closeness, rate }
     }
 
-    fn move_on(&mut self, now: Approach, seconds: f64) {
-        let whole_ns = Duration::from_seconds_floor(seconds).ns();
-        let next = now.at.plus(Duration::from_ns(if whole_ns < 1 { 1 } else { whole_ns }));
-        self.state.at = if next < self.state.end { next } else { self.state.end };
-        self.state.previous = Some(now);
+    #[cfg_attr(target_os = "none", inline(never))]
+    // REQ-TRANSIT-3.
+    fn move_on(&mut self, seen: &Certificate) {
+        let whole_ns = Duration::from_seconds_floor(seen.stays_s).ns();
+        let next = seen.now.at.plus(Duration::from_ns(whole_ns.max(1)));
+        self.state.at = next.min(seen.latest).min(self.state.end);
+        self.state.previous = Some(seen.now);
     }
 
+    #[cfg_attr(target_os = "none", inline(never))]
     fn finish(&mut self, visit: Visit, best: Approach, exit: Instant, exit_clipped: bool) {
         let last = if best.at < exit { best.at } else { exit };
         self.state.stage = Stage::Found(Transit {
@@ -328,21 +363,36 @@ impl Search {
         });
     }
 
-    /// The maximum of closeness since the previous evaluation, where that may be a new best: by false
-    /// position on its rate (Illinois).
-    #[inline(never)]
+    /// The maximum of closeness since the previous evaluation, within the visit, where that may be a
+    /// new best: at an edge, or by false position on its rate (Illinois).
+    #[cfg_attr(target_os = "none", inline(never))]
+    // REQ-TRANSIT-6.
     fn summit(
         &mut self,
-        survey: &Survey,
+        certificate: &Certificate,
         lookup: &Lookup<'_, '_>,
         seen: &mut Seen,
     ) -> Result<Option<Approach>, EphemerisError> {
-        let after = survey.now;
-        let Some(before) = self.rising(survey) else { return Ok(None) };
-        let (mut low, mut high) = (before, after);
-        let mut best = if before.closeness > after.closeness { before } else { after };
+        let Some(mut low) = self.state.previous else { return Ok(None) };
+        let mut high = certificate.now;
+        let mut best = None;
+        let mut evaluated = 0;
+        if let Some(edge) = self.closest_at_the_edge(certificate) {
+            let mut there = high;
+            if edge < high.at {
+                self.see(edge, lookup, seen)?;
+                evaluated = 1;
+                there = self.approach(edge, seen);
+            }
+            *(if certificate.inside { &mut low } else { &mut high }) = there;
+            best = Some(there);
+        }
+        if !self.rises(certificate, (&low, &high)) {
+            return Ok(best);
+        }
+        let mut best = if low.closeness > high.closeness { low } else { high };
         let mut kept_low = 0_i8;
-        for _ in 0..REFINEMENTS {
+        for _ in evaluated..REFINEMENTS {
             let width = high.at.since(low.at).ns();
             if width <= 1 {
                 break;
@@ -389,11 +439,20 @@ const fn within(offset: i64, width: i64) -> i64 {
     }
 }
 
-/// `seconds` before `at`, but neither beyond the longest correction nor before `earliest`.
-fn back(at: Instant, seconds: f64, earliest: Instant) -> Instant {
-    if seconds > LONGEST_CORRECTION_S {
+/// The earliest instant to which [`back`] corrects from `at`.
+// REQ-TRANSIT-4.
+const fn earliest(at: Instant, certified: Instant) -> Instant {
+    let corrected = at.plus(Duration::from_ns(-LONGEST_CORRECTION_NS));
+    if corrected.tai_ns() < certified.tai_ns() { certified } else { corrected }
+}
+
+/// `seconds` before `at`, but neither beyond the longest correction nor before `certified`, up to
+/// which no crossing was possible.
+#[cfg_attr(target_os = "none", inline(never))]
+fn back(at: Instant, seconds: f64, certified: Instant) -> Instant {
+    if seconds > Duration::from_ns(LONGEST_CORRECTION_NS).seconds() {
         return at;
     }
     let corrected = at.plus(Duration::from_seconds(-seconds));
-    if corrected < earliest { earliest } else { corrected }
+    if corrected < certified { certified } else { corrected }
 }

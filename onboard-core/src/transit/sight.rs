@@ -5,7 +5,7 @@ use crate::ephemeris::{BodyTable, EphemerisError};
 use crate::frame::{AntiSun, Ecliptic};
 use crate::scan::ScanStrategy;
 use crate::sun::{AntiSunAxes, SunModel};
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
 use crate::trigonometry;
 use nalgebra::Vector3;
 
@@ -32,7 +32,7 @@ impl Motion {
     };
 
     /// Takes up a strategy, in place.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn set(&mut self, scan: &ScanStrategy) {
         self.scan = *scan;
         (self.sin_alpha, self.cos_alpha) = trigonometry::sin_cos(scan.parameters().alpha_rad);
@@ -52,6 +52,9 @@ pub(crate) struct Seen {
     target: DirectionState<AntiSun>,
     /// Sine and cosine of the precession phase, then of the spin phase.
     sines: [(f64, f64); 2],
+    /// Where the series of the Sun or of the target ends: there direction, rate and second
+    /// derivative may jump, as at a burn.
+    joint: Instant,
 }
 
 impl Seen {
@@ -60,42 +63,62 @@ impl Seen {
         anti_sun: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
         target: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
         sines: [(0.0, 1.0); 2],
+        joint: Instant::from_tai_ns(i64::MAX),
     };
+
+    /// Of a target in the anti-Sun frame, with the sines and cosines of both phases.
+    #[cfg(test)]
+    pub(super) const fn of(target: DirectionState<AntiSun>, sines: [(f64, f64); 2]) -> Self {
+        Self { target, sines, ..Self::NOTHING }
+    }
+
+    /// The longest that a step may take from `at`, where it was evaluated: to the last instant before
+    /// the joint, and from there to the joint, so that no step passes it unseen.
+    pub(super) const fn latest_step(&self, at: Instant) -> Instant {
+        let before = self.joint.plus(Duration::from_ns(-1));
+        if before.tai_ns() > at.tai_ns() { before } else { at.plus(Duration::from_ns(1)) }
+    }
 
     /// Evaluates at `at`, in place.
     #[inline]
-    pub(super) fn look(
+    pub(super) fn evaluate(
         &mut self,
         at: Instant,
         motion: &Motion,
         sun: &SunModel<'_>,
         target: BodyTable<'_>,
     ) -> Result<(), EphemerisError> {
-        self.face_away(at, motion, sun)?;
-        self.view(at, target)?;
-        self.turn(at, &motion.scan);
+        self.evaluate_sun(at, motion, sun)?;
+        self.evaluate_target(at, target)?;
+        self.evaluate_phases(at, &motion.scan);
         Ok(())
     }
 
-    #[inline(never)]
-    fn face_away(
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn evaluate_sun(
         &mut self,
         at: Instant,
         motion: &Motion,
         sun: &SunModel<'_>,
     ) -> Result<(), EphemerisError> {
-        self.anti_sun = sun.state(motion.scan.parameters().start, at)?;
+        (self.anti_sun, self.joint) = sun.state_until(motion.scan.parameters().start, at)?;
         Ok(())
     }
 
-    #[inline(never)]
-    fn view(&mut self, at: Instant, target: BodyTable<'_>) -> Result<(), EphemerisError> {
-        self.target = AntiSunAxes::new(&self.anti_sun).view(&target.state(at)?);
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn evaluate_target(
+        &mut self,
+        at: Instant,
+        target: BodyTable<'_>,
+    ) -> Result<(), EphemerisError> {
+        let (state, joint) = target.state_until(at)?;
+        self.target = AntiSunAxes::new(&self.anti_sun).view(&state);
+        self.joint = self.joint.min(joint);
         Ok(())
     }
 
-    #[inline(never)]
-    fn turn(&mut self, at: Instant, scan: &ScanStrategy) {
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn evaluate_phases(&mut self, at: Instant, scan: &ScanStrategy) {
         let (precession, spin) = scan.phases(at);
         self.sines = [precession.sin_cos(), spin.sin_cos()];
     }
@@ -118,7 +141,7 @@ pub(super) struct Sight {
 
 impl Sight {
     /// The target as seen, taken to the spinning spacecraft.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn new(motion: &Motion, seen: &Seen) -> Self {
         let Seen { target: seen, sines: [(sin_a, cos_a), (sin_b, cos_b)], .. } = *seen;
         let p = seen.direction.vector();

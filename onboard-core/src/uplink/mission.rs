@@ -34,15 +34,14 @@
 //! | 8..12 | body number, i32 |
 //! | 12..16 | zero |
 
-use crate::bytes::{f64_at, field, i32_at, i64_at, put, u16_at, u32_at, u64_at, u128_at};
+use crate::bytes::{f64_at, field, i32_at, put, put_rotor, rotor_at, u16_at, u32_at};
 use crate::ephemeris::{EphemerisError, EphemerisTable, SUN};
 use crate::field_of_view::{FieldOfView, FieldOfViewError, FieldShape};
 use crate::frame::{Boresight, Detector, Telescope};
-use crate::phase::{Phase, Rotor, TurnRate};
+use crate::phase::{Phase, Rotor};
 use crate::rotation::{Rotation, RotationError};
 use crate::scan::{ScanError, ScanParameters, ScanStrategy};
 use crate::sun::SunModel;
-use crate::time::Instant;
 use core::f64::consts::PI;
 
 const FIXED_BYTES: usize = 112;
@@ -200,15 +199,8 @@ impl<'a> MissionTable<'a> {
         Ok(())
     }
 
-    #[inline(never)]
     fn parameters(&self) -> Option<ScanParameters> {
-        Some(ScanParameters {
-            start: Instant::from_tai_ns(i64_at(self.fixed, 0)?),
-            alpha_rad: f64_at(self.fixed, 8)?,
-            beta_rad: f64_at(self.fixed, 16)?,
-            precession: rotor_at(self.fixed, 24)?,
-            spin: rotor_at(self.fixed, 48)?,
-        })
+        ScanParameters::from_le_bytes(self.fixed)
     }
 
     /// The scanning strategy, made from the bytes at each call: keep it.
@@ -301,11 +293,7 @@ impl<'a> MissionTable<'a> {
         detector_radius_rad: f64,
     ) -> [u8; FIXED_BYTES] {
         let mut bytes = [0; FIXED_BYTES];
-        put(&mut bytes, 0, parameters.start.tai_ns().to_le_bytes());
-        put(&mut bytes, 8, parameters.alpha_rad.to_le_bytes());
-        put(&mut bytes, 16, parameters.beta_rad.to_le_bytes());
-        put_rotor(&mut bytes, 24, parameters.precession);
-        put_rotor(&mut bytes, 48, parameters.spin);
+        put(&mut bytes, 0, parameters.to_le_bytes());
         if let SunRecord::Circular(longitude) = sun {
             put_rotor(&mut bytes, 72, longitude);
             put(&mut bytes, 96, 1_u16.to_le_bytes());
@@ -391,20 +379,6 @@ fn rotation_at<F>(bytes: &[u8], bad: MissionError) -> Result<Rotation<F, Boresig
 }
 
 #[inline(never)]
-fn put_rotor(bytes: &mut [u8], offset: usize, rotor: Rotor) {
-    put(bytes, offset, rotor.rate.bits().to_le_bytes());
-    put(bytes, offset.wrapping_add(16), rotor.start.bits().to_le_bytes());
-}
-
-#[inline(never)]
-fn rotor_at(bytes: &[u8], offset: usize) -> Option<Rotor> {
-    Some(Rotor {
-        rate: TurnRate::from_bits(u128_at(bytes, offset)?),
-        start: Phase::from_bits(u64_at(bytes, offset.wrapping_add(16))?),
-    })
-}
-
-#[inline(never)]
 fn read_detector(
     record: &[u8; DETECTOR_BYTES],
     index: u16,
@@ -455,6 +429,8 @@ fn read_telescope(
 mod tests {
     extern crate std;
     use super::*;
+    use crate::phase::TurnRate;
+    use crate::time::Instant;
     use std::vec::Vec;
 
     fn section() -> (ScanParameters, Vec<u8>) {

@@ -1,87 +1,118 @@
-//! Two places for containers, of which the newest sound one is active.
+//! Two slots of raw flash, of which the newest committed container is active.
 //!
-//! The slots are the caller's memory (flash, as a rule) and are read in place. Which one is active
+//! The slots are read in place; how each is divided stands in `slot_layout.rs`. Which one is active
 //! follows from their contents alone, so that it is the same after a reset. A new container is
-//! checked where it was received ([`Slots::admit`]), written by the caller to the slot that is not
-//! active, and becomes active by being there; a write that is cut short leaves an unsound slot, and
-//! the other one stays active. The only way to an older container is a [`RollbackOrder`]: the
-//! caller then marks the newer one as revoked ([`revoke`]); its sequence number remains readable and
-//! is not accepted again.
+//! checked where it was received ([`Slots::admit`]) and goes into the slot that is not active
+//! ([`Upload`]); it becomes active with its COMMIT word, and an upload that is cut short anywhere
+//! leaves the other slot active. The only way to an older container is a [`RollbackOrder`]
+//! ([`Slots::roll_back`], [`Revocation`]), the only way to another spacecraft's a
+//! [`MissionChangeOrder`] ([`Slots::admit_changed`]).
 //!
-//! A slot may be longer than its container.
+//! | state | what the slot holds | read as |
+//! |---|---|---|
+//! | erased | ones | [`SlotState::Erased`] |
+//! | being written | part of a container | [`SlotState::BeingWritten`] |
+//! | complete | a whole container, no COMMIT word | [`SlotState::Complete`] |
+//! | torn | a COMMIT word that is not whole, or not this container's | [`SlotState::CommitTorn`] |
+//! | committed | a container with its COMMIT word | [`SlotState::Committed`] |
+//! | revoked | a REVOKED word, torn ones included, or a number up to the other slot's floor | [`SlotState::Revoked`] |
+//! | unsound | a COMMIT word, but contents that are refused | [`SlotState::Unsound`] |
+//!
+//! The newest committed slot is active. A revoked number is remembered twice: by the REVOKED word and
+//! by the floor word of the slot that was returned to, which is erased only when a newer container is
+//! active. So an erase that is cut short, whatever bits it leaves, neither brings a revoked container
+//! back nor lets its number be uploaded again (`power_cuts.rs` cuts everywhere).
+//!
+//! Limits: a container can be returned to [`FLOOR_WORDS`] times, cuts in the middle of a floor word
+//! counted; after that the way back is an upload of the older contents under a new number. An upset
+//! that the memory does not correct costs its slot; the other one is then used.
 
-use super::{
-    Container, HEADER_BYTES, Header, MAGIC, RollbackOrder, TableError, Tables, UplinkError,
-    checksum,
+use super::flash::{Revocation, Upload};
+use super::slot_layout::{
+    COMMIT_OFFSET, CONTAINER_OFFSET, Slot, Slots, Word, commit_word, committed_sequence, floor,
+    free_floor, image, is_erased, is_revoked, slot_bytes, whole_header, word_at,
 };
-use crate::bytes::{field, put, span, u32_at};
+use super::{
+    Container, Header, MissionChangeOrder, RollbackOrder, SequenceError, TableError, Tables,
+    check_sequence,
+};
+use crate::bytes::{put, u32_at};
 use crate::time::Instant;
 
-/// What stands in place of the magic in a container that was rolled back.
-pub const REVOKED: [u8; 8] = *b"REVOKED\0";
-
-/// One of the two places.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Slot {
-    /// The first.
-    A,
-    /// The second.
-    B,
-}
-
-impl Slot {
-    /// The other place.
-    #[must_use]
-    pub const fn other(self) -> Self {
-        match self {
-            Self::A => Self::B,
-            Self::B => Self::A,
-        }
-    }
-}
-
-/// Why a slot holds no tables.
+/// What a slot holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SlotError {
-    /// Its container (the sequence number) was rolled back.
-    Revoked(u32),
-    /// Its contents are refused.
+#[non_exhaustive]
+pub enum SlotState {
+    /// The slot is shorter than its head (its bytes).
+    TooShort(usize),
+    /// Nothing was written since the last erase.
+    Erased,
+    /// Part of a container, without COMMIT word: an upload that is under way or was cut short.
+    BeingWritten,
+    /// A whole container (its sequence number), but no COMMIT word.
+    Complete(u32),
+    /// A COMMIT word that is not whole, or not that of the container here.
+    CommitTorn,
+    /// A container (its sequence number) with its COMMIT word.
+    Committed(u32),
+    /// The container (its sequence number, where that is still readable) was rolled back.
+    Revoked(Option<u32>),
+    /// Committed, but its contents are refused.
     Unsound(TableError),
 }
 
 /// Neither slot holds tables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoTables {
-    /// Why not A.
-    pub a: SlotError,
-    /// Why not B.
-    pub b: SlotError,
+    /// What A holds instead.
+    pub a: SlotState,
+    /// What B holds instead.
+    pub b: SlotState,
 }
 
-/// Why a new container, or a rollback, is refused; the active tables stay.
+/// Why a new container is refused; the active tables stay.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Refusal {
+#[non_exhaustive]
+pub enum UploadRefusal {
     /// The candidate's contents.
     Unsound(TableError),
     /// The candidate's validity ended at this instant.
     Expired(Instant),
     /// The candidate's validity begins only at this instant.
     NotYetValid(Instant),
-    /// The candidate's sequence number is not above the newest one seen.
-    Older {
+    /// The candidate's sequence number does not follow the newest in a slot, revoked ones included.
+    Sequence(SequenceError),
+    /// The candidate is another spacecraft's (identities).
+    OtherSpacecraft {
         /// The candidate's.
         candidate: u32,
-        /// The newest in a slot, revoked ones included.
-        newest: u32,
+        /// The one that is flown.
+        flown: u32,
     },
+    /// The last instant of the order to change the mission has passed.
+    OrderExpired(Instant),
+    /// The order to change the mission names other spacecraft, or another container.
+    OtherOrder,
     /// The candidate does not fit into the slot (bytes there, bytes needed).
     TooLong(usize, usize),
-    /// The rollback order's last instant has passed.
+}
+
+/// Why a rollback is refused; the active tables stay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum RollbackRefusal {
+    /// The order's last instant has passed.
     OrderExpired(Instant),
     /// The order leaves another container than the active one (its sequence number).
     NotActive(u32),
     /// The other slot does not hold the container that the order returns to.
     NothingToReturnTo,
+    /// The validity of the container to return to ended at this instant.
+    Expired(Instant),
+    /// The validity of the container to return to begins only at this instant.
+    NotYetValid(Instant),
+    /// The container was returned to [`super::FLOOR_WORDS`] times: upload its contents anew.
+    FloorsUsed,
 }
 
 /// The tables in use and where they are.
@@ -93,343 +124,303 @@ pub struct Active<'a> {
     pub tables: Tables<'a>,
 }
 
-/// The two places, in borrowed bytes.
-#[derive(Debug, Clone, Copy)]
-pub struct Slots<'a> {
-    /// The first.
-    pub a: &'a [u8],
-    /// The second.
-    pub b: &'a [u8],
+/// Where an instant lies to a container's validity.
+enum Outside {
+    Before,
+    Behind,
 }
 
 impl<'a> Slots<'a> {
-    const fn bytes(&self, slot: Slot) -> &'a [u8] {
-        match slot {
-            Slot::A => self.a,
-            Slot::B => self.b,
+    /// What a slot holds.
+    #[must_use]
+    #[inline(never)]
+    pub fn state(&self, slot: Slot) -> SlotState {
+        match self.number(slot) {
+            Ok(number) => SlotState::Committed(number),
+            Err(state) => state,
         }
-    }
-
-    fn container(&self, slot: Slot) -> Result<Container<'a>, SlotError> {
-        let bytes = self.bytes(slot);
-        if let Some(sequence) = revoked_sequence(bytes) {
-            return Err(SlotError::Revoked(sequence));
-        }
-        Container::parse(image(bytes))
-            .map_err(|error| SlotError::Unsound(TableError::Container(error)))
     }
 
     /// The tables of one slot.
     ///
     /// # Errors
-    /// [`SlotError`], why it holds none.
+    /// [`SlotState`], what it holds instead.
     #[inline(never)]
-    pub fn tables(&self, slot: Slot) -> Result<Tables<'a>, SlotError> {
-        let container = self.container(slot)?;
-        Tables::from_container(&container).map_err(SlotError::Unsound)
+    pub fn tables(&self, slot: Slot) -> Result<Tables<'a>, SlotState> {
+        self.number(slot)?;
+        Tables::load(image(self.bytes(slot))).map_err(SlotState::Unsound)
     }
 
-    /// The newest sound tables, from the slots' contents alone.
+    /// The newest committed tables, from the slots' contents alone.
     ///
     /// # Errors
     /// [`NoTables`] when neither slot holds any.
+    #[inline(never)]
     pub fn active(&self) -> Result<Active<'a>, NoTables> {
         let Some(slot) = self.active_slot() else {
-            let why = |slot| self.refusal(slot).unwrap_or(SlotError::Unsound(UNREADABLE));
-            return Err(NoTables { a: why(Slot::A), b: why(Slot::B) });
+            return Err(NoTables { a: self.state(Slot::A), b: self.state(Slot::B) });
         };
-        match self.tables(slot) {
+        // Not through `tables`, to spare the stack.
+        match Tables::load(image(self.bytes(slot))) {
             Ok(tables) => Ok(Active { slot, tables }),
-            Err(error) => Err(NoTables { a: error, b: error }),
+            Err(error) => {
+                let state = SlotState::Unsound(error);
+                Err(NoTables { a: state, b: state })
+            }
         }
     }
 
-    /// The slot of the newest sound tables.
+    /// The slot of the newest committed tables.
     #[inline(never)]
+    // REQ-SLOT-1.
     fn active_slot(&self) -> Option<Slot> {
-        // The newer container first; the other only where the newer one's tables are unsound.
-        let newer = match (self.sequence(Slot::A), self.sequence(Slot::B)) {
-            (a, Some(b)) if a.is_none_or(|a| b > a) => Slot::B,
-            _ => Slot::A,
-        };
-        [newer, newer.other()].into_iter().find(|slot| self.refusal(*slot).is_none())
+        match (self.number(Slot::A).ok(), self.number(Slot::B).ok()) {
+            (Some(a), Some(b)) if b > a => Some(Slot::B),
+            (Some(_), _) => Some(Slot::A),
+            (None, Some(_)) => Some(Slot::B),
+            (None, None) => None,
+        }
     }
 
-    /// Why a slot holds no tables.
-    #[inline(never)]
-    fn refusal(&self, slot: Slot) -> Option<SlotError> {
-        self.tables(slot).err()
+    /// The sequence number of a slot's committed container, or what the slot holds instead.
+    fn number(&self, slot: Slot) -> Result<u32, SlotState> {
+        let number = own_number(self.bytes(slot))?;
+        if self.is_under_floor(slot, number) {
+            return Err(SlotState::Revoked(Some(number)));
+        }
+        Ok(number)
     }
 
-    /// The sequence number of a slot's container.
-    #[inline(never)]
-    fn sequence(&self, slot: Slot) -> Option<u32> {
-        self.container(slot).ok().map(|container| container.header().sequence)
+    /// Whether the other slot says that a container with this number is revoked.
+    fn is_under_floor(&self, slot: Slot, number: u32) -> bool {
+        floor(self.bytes(slot.other())).is_some_and(|floor| number <= floor)
     }
 
-    /// The largest sequence number that either slot ever held, as far as it can be read.
+    /// The largest sequence number that was committed or revoked, as far as the slots tell.
+    // REQ-SLOT-4.
     fn newest(&self) -> Option<u32> {
-        let seen = |slot| self.sequence(slot).or_else(|| revoked_sequence(self.bytes(slot)));
-        seen(Slot::A).max(seen(Slot::B))
+        known(self.a).max(known(self.b))
     }
 
-    /// Checks a new container; on success the slot to which the caller is to write it.
+    /// The slot that a new container goes to: not the active one, and none without which a revoked
+    /// container would count again.
+    #[inline(never)]
+    fn free_slot(&self) -> Slot {
+        if let Some(active) = self.active_slot() {
+            return active.other();
+        }
+        let held = |slot| own_number(self.bytes(slot)).is_ok();
+        match (held(Slot::A), held(Slot::B)) {
+            (true, _) => Slot::A,
+            (_, true) => Slot::B,
+            _ if known(self.a) <= known(self.b) => Slot::A,
+            _ => Slot::B,
+        }
+    }
+
+    /// The spacecraft whose tables are flown, or were last, as far as the slots tell.
+    #[inline(never)]
+    fn spacecraft(&self) -> Option<u32> {
+        let told = |slot| known_spacecraft(self.bytes(slot));
+        match self.active_slot() {
+            Some(slot) => told(slot),
+            None if known(self.a) < known(self.b) => told(Slot::B).or_else(|| told(Slot::A)),
+            None => told(Slot::A).or_else(|| told(Slot::B)),
+        }
+    }
+
+    /// Checks a new container; on success the way into the slot that is not active. With no container
+    /// in either slot, that of any spacecraft is taken.
     ///
     /// # Errors
-    /// [`Refusal`], the reason; the active tables stay.
+    /// [`UploadRefusal`], the reason; the active tables stay.
     #[inline(never)]
-    pub fn admit(&self, candidate: &[u8], now: Instant) -> Result<Slot, Refusal> {
-        let header = sound_header(candidate)?;
-        check_validity(&header, now)?;
-        if let Some(newest) = self.newest()
-            && header.sequence <= newest
+    // REQ-SLOT-7.
+    pub fn admit<'c>(
+        &self,
+        candidate: &'c [u8],
+        now: Instant,
+    ) -> Result<Upload<'c>, UploadRefusal> {
+        let (header, set_digest) = sound_header(candidate)?;
+        if let Some(flown) = self.spacecraft()
+            && header.spacecraft != flown
         {
-            return Err(Refusal::Older { candidate: header.sequence, newest });
+            let candidate = header.spacecraft;
+            return Err(UploadRefusal::OtherSpacecraft { candidate, flown });
         }
-        let slot = self.active_slot().map_or(Slot::A, Slot::other);
-        let room = self.bytes(slot).len();
-        if room < candidate.len() {
-            return Err(Refusal::TooLong(room, candidate.len()));
-        }
-        Ok(slot)
+        self.place(candidate, header, set_digest, now)
     }
 
-    /// Checks a rollback; on success the slot that the caller is to [`revoke`].
+    /// As [`Self::admit`], for the one container of another spacecraft that the order names.
     ///
     /// # Errors
-    /// [`Refusal`], the reason; the active tables stay.
+    /// [`UploadRefusal`], the reason; the active tables stay.
     #[inline(never)]
-    pub fn roll_back(&self, order: &RollbackOrder, now: Instant) -> Result<Slot, Refusal> {
+    // REQ-SLOT-6.
+    pub fn admit_changed<'c>(
+        &self,
+        candidate: &'c [u8],
+        order: &MissionChangeOrder,
+        now: Instant,
+    ) -> Result<Upload<'c>, UploadRefusal> {
         if now > order.until {
-            return Err(Refusal::OrderExpired(order.until));
+            return Err(UploadRefusal::OrderExpired(order.until));
         }
-        let active = self.active_slot().ok_or(Refusal::NothingToReturnTo)?;
-        match self.sequence(active) {
-            Some(sequence) if sequence == order.from => {}
-            other => return Err(Refusal::NotActive(other.unwrap_or(0))),
+        let (header, set_digest) = sound_header(candidate)?;
+        let named = header.spacecraft == order.to
+            && header.sequence == order.sequence
+            && set_digest == order.set_digest
+            && self.spacecraft() == Some(order.from);
+        if !named {
+            return Err(UploadRefusal::OtherOrder);
         }
-        let target = self.tables(active.other()).map_err(|_| Refusal::NothingToReturnTo)?;
+        self.place(candidate, header, set_digest, now)
+    }
+
+    /// The way of a sound container of the right spacecraft into the slot that is not active.
+    fn place<'c>(
+        &self,
+        candidate: &'c [u8],
+        header: Header,
+        set_digest: u64,
+        now: Instant,
+    ) -> Result<Upload<'c>, UploadRefusal> {
+        match outside(&header, now) {
+            Some(Outside::Behind) => return Err(UploadRefusal::Expired(header.valid_until)),
+            Some(Outside::Before) => return Err(UploadRefusal::NotYetValid(header.valid_from)),
+            None => {}
+        }
+        check_sequence(header.sequence, self.newest()).map_err(UploadRefusal::Sequence)?;
+        let slot = self.free_slot();
+        let room = self.bytes(slot).len();
+        let needed = slot_bytes(candidate.len()).unwrap_or(usize::MAX);
+        if room < needed {
+            return Err(UploadRefusal::TooLong(room, needed));
+        }
+        Ok(Upload::new(candidate, header, set_digest, slot))
+    }
+
+    /// Checks a rollback; on success the way to revoke the active container.
+    ///
+    /// # Errors
+    /// [`RollbackRefusal`], the reason; the active tables stay.
+    #[inline(never)]
+    // REQ-SLOT-5.
+    pub fn roll_back(
+        &self,
+        order: &RollbackOrder,
+        now: Instant,
+    ) -> Result<Revocation, RollbackRefusal> {
+        if now > order.until {
+            return Err(RollbackRefusal::OrderExpired(order.until));
+        }
+        let active = self.active_slot().ok_or(RollbackRefusal::NothingToReturnTo)?;
+        match self.number(active) {
+            Ok(sequence) if sequence == order.from => {}
+            Ok(sequence) => return Err(RollbackRefusal::NotActive(sequence)),
+            Err(_) => return Err(RollbackRefusal::NothingToReturnTo),
+        }
+        let kept = active.other();
+        let target = self.tables(kept).map_err(|_| RollbackRefusal::NothingToReturnTo)?;
         if target.header().sequence != order.to || target.set_digest() != order.to_digest {
-            return Err(Refusal::NothingToReturnTo);
+            return Err(RollbackRefusal::NothingToReturnTo);
         }
-        check_validity(target.header(), now)?;
-        Ok(active)
+        match outside(target.header(), now) {
+            Some(Outside::Behind) => {
+                return Err(RollbackRefusal::Expired(target.header().valid_until));
+            }
+            Some(Outside::Before) => {
+                return Err(RollbackRefusal::NotYetValid(target.header().valid_from));
+            }
+            None => {}
+        }
+        let free = free_floor(self.bytes(kept)).ok_or(RollbackRefusal::FloorsUsed)?;
+        Ok(Revocation::new(active, order.from, free))
     }
 }
 
-/// Marks a slot's container as rolled back: its magic becomes [`REVOKED`], and the header's CRC
-/// that of the header with it, so that a new container's first bytes do not bring it back.
-///
-/// False when the slot is too short for a container.
-pub fn revoke(slot: &mut [u8]) -> bool {
-    if slot.len() < HEADER_BYTES || !put(slot, 0, REVOKED) {
-        return false;
+/// The head of a slot in which this container is committed: for memory that is programmed as a whole
+/// before launch, and for tools.
+#[must_use]
+#[inline(never)]
+pub fn committed_head(container: &Container<'_>) -> [u8; CONTAINER_OFFSET] {
+    let mut head = [0xff; CONTAINER_OFFSET];
+    put(&mut head, COMMIT_OFFSET, own_commit(container));
+    head
+}
+
+/// The number of the container that a slot holds committed by itself, without the other one's floor.
+#[inline(never)]
+fn own_number(slot: &[u8]) -> Result<u32, SlotState> {
+    if let Some(state) = uncommitted(slot) {
+        return Err(state);
     }
-    let crc = slot.first_chunk::<60>().map(|covered| checksum(covered));
-    crc.is_some_and(|crc| put(slot, 60, crc.to_le_bytes()))
+    match Tables::load(image(slot)) {
+        Ok(tables) if is_own_commit(slot, tables.container()) => Ok(tables.header().sequence),
+        Ok(_) => Err(SlotState::CommitTorn),
+        Err(error) => Err(SlotState::Unsound(error)),
+    }
+}
+
+/// Whether the COMMIT word is that of the container in the slot.
+#[inline(never)]
+fn is_own_commit(slot: &[u8], container: &Container<'_>) -> bool {
+    word_at(slot, COMMIT_OFFSET) == Some(own_commit(container))
+}
+
+fn own_commit(container: &Container<'_>) -> Word {
+    let length = u32::try_from(container.bytes.len()).unwrap_or(u32::MAX);
+    commit_word(container.header.sequence, length, container.set_digest)
+}
+
+/// What a slot's words say it holds, unless they say that its container is committed.
+#[inline(never)]
+fn uncommitted(slot: &[u8]) -> Option<SlotState> {
+    if slot.len() <= CONTAINER_OFFSET {
+        return Some(SlotState::TooShort(slot.len()));
+    }
+    if is_revoked(slot) {
+        return Some(SlotState::Revoked(known(slot)));
+    }
+    if !is_erased(slot, COMMIT_OFFSET) {
+        return committed_sequence(slot).is_none().then_some(SlotState::CommitTorn);
+    }
+    Some(match Container::parse(image(slot)) {
+        Ok(container) => SlotState::Complete(container.header().sequence),
+        Err(_) if is_erased(slot, CONTAINER_OFFSET) => SlotState::Erased,
+        Err(_) => SlotState::BeingWritten,
+    })
+}
+
+/// The largest sequence number that a slot says was committed or revoked: in its COMMIT word, in its
+/// container's header where one of these words was programmed, and in its floor words.
+#[inline(never)]
+fn known(slot: &[u8]) -> Option<u32> {
+    let carried = committed_sequence(slot);
+    let header = || whole_header(slot).and_then(|header| u32_at(header, 16));
+    let own = if is_revoked(slot) { carried.max(header()) } else { carried };
+    own.max(floor(slot))
 }
 
 #[inline(never)]
-fn sound_header(candidate: &[u8]) -> Result<Header, Refusal> {
-    let tables = Tables::load(candidate).map_err(Refusal::Unsound)?;
-    Ok(*tables.header())
+fn sound_header(candidate: &[u8]) -> Result<(Header, u64), UploadRefusal> {
+    let tables = Tables::load(candidate).map_err(UploadRefusal::Unsound)?;
+    Ok((*tables.header(), tables.set_digest()))
 }
 
-/// Stands where a slot's contents change while they are read.
-const UNREADABLE: TableError = TableError::Container(UplinkError::NotAContainer);
-
-fn check_validity(header: &Header, now: Instant) -> Result<(), Refusal> {
+fn outside(header: &Header, now: Instant) -> Option<Outside> {
     if now > header.valid_until {
-        Err(Refusal::Expired(header.valid_until))
+        Some(Outside::Behind)
     } else if now < header.valid_from {
-        Err(Refusal::NotYetValid(header.valid_from))
+        Some(Outside::Before)
     } else {
-        Ok(())
+        None
     }
 }
 
-/// The container in a slot: as long as its header says, where that fits.
-fn image(slot: &[u8]) -> &[u8] {
-    u32_at(slot, 12).and_then(|length| span(slot, 0, length)).unwrap_or(slot)
-}
-
-/// The sequence number of a revoked container whose header is otherwise whole; its CRC may still be
-/// the one from before, when the revoking was cut short.
+/// The spacecraft in the header of a container that was committed or revoked.
 #[inline(never)]
-fn revoked_sequence(slot: &[u8]) -> Option<u32> {
-    if field(slot, 0) != Some(REVOKED) {
-        return None;
-    }
-    let mut header: [u8; 60] = field(slot, 0)?;
-    let crc = u32_at(slot, 60)?;
-    if crc != checksum(&header) {
-        put(&mut header, 0, MAGIC);
-        (crc == checksum(&header)).then_some(())?;
-    }
-    u32_at(slot, 16)
-}
-
-#[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-    use crate::direction::MotionBounds;
-    use crate::ephemeris::Span;
-    use crate::phase::{Phase, Rotor, TurnRate};
-    use crate::scan::ScanParameters;
-    use crate::uplink::tests::container_of;
-    use crate::uplink::{Counts, MissionTable, SectionKind, SunRecord};
-    use core::num::NonZeroU64;
-    use std::vec;
-    use std::vec::Vec;
-
-    const NOW: Instant = Instant::from_tai_ns(100);
-
-    fn ephemeris() -> Vec<u8> {
-        let span = Span {
-            body: 5,
-            coefficients: 1,
-            granules: 1,
-            first: 0,
-            start: Instant::from_tai_ns(0),
-            granule_ns: NonZeroU64::new(1000).unwrap(),
-            bounds: MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 1.0 },
-        };
-        let mut bytes = [1_u32.to_le_bytes(), 3_u32.to_le_bytes()].concat();
-        bytes.extend(span.to_le_bytes());
-        bytes.extend([0.0, 0.0, 1.0_f64].iter().flat_map(|number| number.to_le_bytes()));
-        bytes
-    }
-
-    /// A container with the circular Sun and no plan, valid for (from, until).
-    fn uplink(sequence: u32, (from, until): (i64, i64)) -> Vec<u8> {
-        let rotor = Rotor { rate: TurnRate::from_bits(1 << 80), start: Phase::ZERO };
-        let parameters = ScanParameters {
-            start: Instant::from_tai_ns(0),
-            alpha_rad: 0.7,
-            beta_rad: 0.8,
-            precession: rotor,
-            spin: rotor,
-        };
-        let sun = SunRecord::Circular(rotor);
-        let mission = MissionTable::fixed_to_le_bytes(&parameters, sun, Counts::default(), 0.01);
-        let header = Header {
-            sequence,
-            valid_from: Instant::from_tai_ns(from),
-            valid_until: Instant::from_tai_ns(until),
-            mission_digest: [3; 16],
-        };
-        container_of(
-            &header,
-            &[(SectionKind::Ephemeris, &ephemeris()), (SectionKind::Mission, &mission)],
-        )
-    }
-
-    fn padded(container: &[u8]) -> Vec<u8> {
-        let mut slot = vec![0xff; 1000];
-        slot[..container.len()].copy_from_slice(container);
-        slot
-    }
-
-    #[test]
-    fn the_newest_sound_slot_is_active_whatever_its_place() {
-        let (old, new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
-        let slots = Slots { a: &old, b: &new };
-        assert_eq!(slots.active().unwrap().slot, Slot::B);
-        let slots = Slots { a: &new, b: &old };
-        assert_eq!(slots.active().unwrap().slot, Slot::A);
-        let blank = vec![0xff; 1000];
-        let slots = Slots { a: &blank, b: &old };
-        assert_eq!(slots.active().unwrap().slot, Slot::B);
-        let slots = Slots { a: &blank, b: &blank };
-        let none = slots.active().unwrap_err();
-        assert!(matches!(none.a, SlotError::Unsound(TableError::Container(_))));
-        assert_eq!(slots.admit(&uplink(1, (0, 900)), NOW), Ok(Slot::A));
-    }
-
-    #[test]
-    fn a_write_that_is_cut_short_leaves_the_active_tables() {
-        let active = padded(&uplink(4, (0, 900)));
-        let candidate = uplink(5, (0, 900));
-        let mut other = vec![0xff; 1000];
-        for written in 0..=candidate.len() {
-            other[..written].copy_from_slice(&candidate[..written]);
-            let now_active = Slots { a: &active, b: &other }.active().unwrap();
-            let expected = if written == candidate.len() { Slot::B } else { Slot::A };
-            assert_eq!(now_active.slot, expected, "{written} bytes written");
-        }
-    }
-
-    #[test]
-    fn what_is_not_admitted_has_a_reason() {
-        let (old, new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
-        let slots = Slots { a: &old, b: &new };
-        assert_eq!(slots.admit(&uplink(6, (0, 900)), NOW), Ok(Slot::A));
-        let older = Refusal::Older { candidate: 5, newest: 5 };
-        assert_eq!(slots.admit(&uplink(5, (0, 900)), NOW), Err(older));
-        let ended = Instant::from_tai_ns(99);
-        assert_eq!(slots.admit(&uplink(6, (0, 99)), NOW), Err(Refusal::Expired(ended)));
-        let begins = Instant::from_tai_ns(101);
-        assert_eq!(slots.admit(&uplink(6, (101, 900)), NOW), Err(Refusal::NotYetValid(begins)));
-        let mut damaged = uplink(6, (0, 900));
-        damaged[200] ^= 1;
-        assert!(matches!(slots.admit(&damaged, NOW), Err(Refusal::Unsound(_))));
-        let small = Slots { a: &old[..300], b: &new };
-        assert_eq!(
-            small.admit(&uplink(6, (0, 900)), NOW),
-            Err(Refusal::TooLong(300, uplink(6, (0, 900)).len()))
-        );
-    }
-
-    #[test]
-    fn only_its_own_order_leads_back() {
-        let (old, mut new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
-        let slots = Slots { a: &old, b: &new };
-        let digest = slots.tables(Slot::A).unwrap().set_digest();
-        let order =
-            RollbackOrder { from: 5, to: 4, to_digest: digest, until: Instant::from_tai_ns(200) };
-        let late = Instant::from_tai_ns(201);
-        assert_eq!(slots.roll_back(&order, late), Err(Refusal::OrderExpired(order.until)));
-        let other = RollbackOrder { from: 6, ..order };
-        assert_eq!(slots.roll_back(&other, NOW), Err(Refusal::NotActive(5)));
-        let other = RollbackOrder { to_digest: digest ^ 1, ..order };
-        assert_eq!(slots.roll_back(&other, NOW), Err(Refusal::NothingToReturnTo));
-        assert_eq!(slots.roll_back(&order, NOW), Ok(Slot::B));
-
-        assert!(revoke(&mut new));
-        let slots = Slots { a: &old, b: &new };
-        assert_eq!(slots.active().unwrap().slot, Slot::A);
-        assert_eq!(slots.tables(Slot::B).unwrap_err(), SlotError::Revoked(5));
-        assert_eq!(slots.roll_back(&order, NOW), Err(Refusal::NotActive(4)), "once only");
-        let again = Refusal::Older { candidate: 5, newest: 5 };
-        assert_eq!(slots.admit(&uplink(5, (0, 900)), NOW), Err(again), "not by the back door");
-        assert_eq!(slots.admit(&uplink(6, (0, 900)), NOW), Ok(Slot::B));
-    }
-
-    #[test]
-    fn a_cut_write_does_not_bring_a_revoked_container_back() {
-        let (old, mut new) = (padded(&uplink(4, (0, 900))), padded(&uplink(5, (0, 900))));
-        let whole = new.clone();
-        assert!(revoke(&mut new));
-        let candidate = uplink(6, (0, 900));
-        // Behind the header the two are alike.
-        for written in 0..HEADER_BYTES {
-            let mut slot = new.clone();
-            slot[..written].copy_from_slice(&candidate[..written]);
-            let slots = Slots { a: &old, b: &slot };
-            assert_eq!(slots.active().unwrap().slot, Slot::A, "{written} bytes written");
-        }
-        // Nor is the number forgotten where the revoking itself is cut behind the magic.
-        let mut cut = whole;
-        cut[..8].copy_from_slice(&REVOKED);
-        let slots = Slots { a: &old, b: &cut };
-        assert_eq!(slots.tables(Slot::B).unwrap_err(), SlotError::Revoked(5));
-    }
-
-    #[test]
-    fn tables_must_cover_their_validity() {
-        let candidate = uplink(1, (0, 1000));
-        assert!(Tables::load(&candidate).is_ok(), "no body is needed with the circular Sun");
-        assert!(!revoke(&mut [0; 10]));
-    }
+fn known_spacecraft(slot: &[u8]) -> Option<u32> {
+    let counts = is_revoked(slot) || committed_sequence(slot).is_some();
+    whole_header(slot).filter(|_| counts).and_then(|header| u32_at(header, 56))
 }

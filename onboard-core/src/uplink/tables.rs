@@ -33,8 +33,7 @@ pub enum TableError {
 /// The sections of a container, checked against each other, in borrowed bytes.
 #[derive(Debug, Clone, Copy)]
 pub struct Tables<'a> {
-    header: Header,
-    set_digest: u64,
+    container: Container<'a>,
     ephemeris: EphemerisTable<'a>,
     mission: MissionTable<'a>,
     plan: PlanTable<'a>,
@@ -45,6 +44,7 @@ impl<'a> Tables<'a> {
     ///
     /// # Errors
     /// [`TableError`], the first thing found wrong.
+    // REQ-CONT-2.
     pub fn load(bytes: &'a [u8]) -> Result<Self, TableError> {
         Self::from_container(&Container::parse(bytes).map_err(TableError::Container)?)
     }
@@ -60,13 +60,7 @@ impl<'a> Tables<'a> {
             Ok(bytes) => PlanTable::parse(bytes).map_err(TableError::Plan)?,
             Err(_) => PlanTable::EMPTY,
         };
-        let tables = Self {
-            header: container.header(),
-            set_digest: container.set_digest(),
-            ephemeris,
-            mission,
-            plan,
-        };
+        let tables = Self { container: *container, ephemeris, mission, plan };
         tables.check()?;
         Ok(tables)
     }
@@ -81,7 +75,7 @@ impl<'a> Tables<'a> {
         }
         let mut index = 0_u32;
         for session in self.plan.sessions() {
-            if session.start < self.header.valid_from || session.end > self.header.valid_until {
+            if session.start < self.header().valid_from || session.end > self.header().valid_until {
                 return Err(TableError::SessionOutside(index));
             }
             if self.mission.telescope(session.telescope).is_none() {
@@ -101,7 +95,7 @@ impl<'a> Tables<'a> {
     fn check_coverage(&self, number: i32, body: BodyTable<'a>) -> Result<(), TableError> {
         match body.coverage() {
             Some((from, until))
-                if from <= self.header.valid_from && self.header.valid_until <= until =>
+                if from <= self.header().valid_from && self.header().valid_until <= until =>
             {
                 Ok(())
             }
@@ -112,13 +106,18 @@ impl<'a> Tables<'a> {
     /// What the container says about itself.
     #[must_use]
     pub const fn header(&self) -> &Header {
-        &self.header
+        &self.container.header
+    }
+
+    /// The container that they are read from.
+    pub(super) const fn container(&self) -> &Container<'a> {
+        &self.container
     }
 
     /// The digest of the set's contents.
     #[must_use]
     pub const fn set_digest(&self) -> u64 {
-        self.set_digest
+        self.container.set_digest
     }
 
     /// The directions of Sun and targets.

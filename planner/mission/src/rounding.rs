@@ -89,6 +89,7 @@ fn scaled(value: &BigRational, bits: u32) -> BigInt {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::num::NonZeroU64;
 
     // From Python's integers and mpmath at 400 bits: round(2^128 / period in ns), round(2^128 turns
     // per ns), round(2^64 turns), and the bits of the f64 nearest to degrees * pi / 180.
@@ -118,6 +119,16 @@ mod tests {
             turn_rate(number("20e6/1048576").exact()).unwrap().bits(),
             RATE_20E6_OVER_2_20_HZ
         );
+    }
+
+    #[test]
+    fn rates_agree_with_the_flight_core() {
+        for (turns, seconds) in [(100_i64, 1_154_088_u64), (-61, 60), (20_000_000, 1 << 20), (7, 3)]
+        {
+            let exact = BigRational::new(turns.into(), seconds.into());
+            let core = TurnRate::from_turns(turns, NonZeroU64::new(seconds).unwrap());
+            assert_eq!(turn_rate(&exact), core);
+        }
     }
 
     #[test]

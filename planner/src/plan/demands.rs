@@ -1,15 +1,17 @@
 //! The demands of a mission file on its schedule, as the scheduler takes them.
 //!
-//! Method: crossing angles of passes are those at closest approach. An opportunity counts as too near
-//! to a body to avoid where, at the entry, the closest approach or the exit of any of its passes, the
-//! body stands nearer to that line of sight than its limit. Contacts and blackouts are read from CSV
-//! files with a header (`start_utc, end_utc, bit_s`; `start_utc, end_utc, reason`), lines beginning
-//! with `#` left out; blackouts also from an iCalendar file ([`mission::occasions`]).
+//! Method: crossing angles of passes are those at closest approach. Which opportunities come too near to
+//! a body to avoid is decided by the flight core ([`Judge`]), as the spacecraft decides it: the nearest
+//! point of every field that calibrates the telescope counts, over the whole session, setup and cooldown
+//! included. Nor is one offered that starts so soon after the tables' validity that it could not be
+//! checked. Contacts and blackouts are read from CSV files with a header (`start_utc, end_utc, bit_s`;
+//! `start_utc, end_utc, reason`), lines beginning with `#` left out; blackouts also from an iCalendar
+//! file ([`mission::occasions`]).
 //!
-//! Limits: between these three instants of a pass a body to avoid may come nearer by what the line of
-//! sight moves.
+//! Limits: those of the core's search, 2e-11 rad at a limit's edge.
 
 use super::error::DemandError;
+use crate::onboard::{AHEAD, Judge, JudgeError, TICK, mission_section, record};
 use crate::opportunities::{Found, Opportunity};
 use crate::schedule::{Contact, Data, Demands, Diversity, Log, LongestGap, SessionCount, Thermal};
 use crate::world::{TableFault, World};
@@ -17,8 +19,10 @@ use crate::worth::{Parts, Scene, Valued, Worth, angle_bin};
 use mission::FilePath;
 use mission::occasions::{self, Blackout, OccasionError};
 use onboard_core::attitude::sweep;
+use onboard_core::sequencer::SkipReason;
 use onboard_core::time::Duration;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Time in view that counts as one unit of information, in seconds.
 const OFFSET_S: f64 = 600.0;
@@ -45,6 +49,7 @@ impl Scene<'_> {
             rho: rule.rho.to_f64(),
             sums: self.resultants(&angles, rule.n),
         });
+        let (avoided, skipped) = self.disallowed()?;
         let data = keys.data.as_ref().map(|data| -> Result<Data, DemandError> {
             Ok(Data {
                 // Rounded so that the memory is never taken for larger than it is.
@@ -69,7 +74,8 @@ impl Scene<'_> {
                 window: Duration::from_seconds(it.window_hours.to_f64() * 3600.0),
             }),
             blackouts: blackouts.iter().map(|it| (it.from, it.until)).collect(),
-            avoided: self.avoided()?,
+            avoided,
+            skipped,
             log: keys.logarithmic.then(|| Log {
                 offset: Duration::from_seconds(OFFSET_S),
                 epoch: Duration::from_seconds(EPOCH_DAYS * DAY_S),
@@ -135,40 +141,37 @@ impl Scene<'_> {
         self.offers.opportunities.list().iter().enumerate().map(of).collect()
     }
 
-    /// Opportunities with a pass too near to a body to avoid.
-    fn avoided(&self) -> Result<Vec<usize>, DemandError> {
-        if self.world.avoided.is_empty() {
-            return Ok(Vec::new());
-        }
-        let near = |pass: usize| -> Result<bool, DemandError> {
-            let found = &self.offers.found[pass];
-            let transit = &found.transit;
-            for at in [transit.entry, transit.closest, transit.exit] {
-                let rotation = self.offers.lines[found.line].rotation;
-                let sight =
-                    sweep(&self.world.scan, &self.sun, rotation, at).map_err(TableFault)?.direction;
-                for (source, limit) in &self.world.avoided {
-                    let body = self.world.sky.direction(source, at)?;
-                    if sight.separation_rad(body) < *limit {
-                        return Ok(true);
-                    }
-                }
+    /// Opportunities that the spacecraft would not begin; why, where that is no body to avoid.
+    fn disallowed(&self) -> Result<(Vec<usize>, BTreeMap<usize, SkipReason>), DemandError> {
+        let (from, until) = (self.world.start, self.world.end);
+        let section = mission_section(self.world).map_err(JudgeError::TooMany)?;
+        let judge = Judge::new(&section, self.table, (from, until))?;
+        let judged = |it: &Opportunity| -> Result<Option<SkipReason>, DemandError> {
+            let session = record(self.world, self.offers, it)?;
+            if session.start < from || session.end > until {
+                // No session at all: the rules refuse it.
+                return Ok(None);
             }
-            Ok(false)
+            if let Err(reason) = judge.avoidance(&session) {
+                return Ok(Some(reason));
+            }
+            let since = session.start.since(from);
+            let late = since < AHEAD
+                && since.ns() <= TICK.ns().saturating_mul(i64::from(judge.ticks(&session)));
+            Ok(late.then_some(SkipReason::NotChecked))
         };
         let list = self.offers.opportunities.list();
-        let all: Result<Vec<bool>, DemandError> = list
-            .par_iter()
-            .map(|it| {
-                for &pass in self.offers.opportunities.passes(it) {
-                    if near(pass)? {
-                        return Ok(true);
-                    }
-                }
-                Ok(false)
-            })
-            .collect();
-        Ok(all?.into_iter().enumerate().filter_map(|(index, near)| near.then_some(index)).collect())
+        let reasons: Result<Vec<_>, DemandError> = list.par_iter().map(judged).collect();
+        let mut avoided = Vec::new();
+        let mut skipped = BTreeMap::new();
+        for (index, reason) in reasons?.into_iter().enumerate() {
+            let Some(reason) = reason else { continue };
+            avoided.push(index);
+            if !matches!(reason, SkipReason::Avoidance(_)) {
+                skipped.insert(index, reason);
+            }
+        }
+        Ok((avoided, skipped))
     }
 }
 

@@ -1,10 +1,10 @@
 //! Why there is no plan.
 
+use crate::onboard::{BeyondRecord, JudgeError};
 use crate::opportunities::OffersError;
 use crate::schedule::ScheduleError;
 use crate::world::{TableFault, WorldError};
 use crate::worth::WorthError;
-use ephem::apparent::SkyError;
 use mission::occasions::OccasionError;
 use thiserror::Error;
 
@@ -17,9 +17,12 @@ pub enum DemandError {
     /// Sessions whose worth cannot be told.
     #[error(transparent)]
     Worth(#[from] WorthError),
-    /// A body to avoid, where the ephemeris does not serve the mission's span.
+    /// A mission that cannot go on board, so that nothing says what the spacecraft would begin.
     #[error(transparent)]
-    Sky(#[from] SkyError),
+    Judge(#[from] JudgeError),
+    /// A session that cannot go on board.
+    #[error(transparent)]
+    Record(#[from] BeyondRecord),
     /// The tables do not serve their own span.
     #[error(transparent)]
     Table(#[from] TableFault),

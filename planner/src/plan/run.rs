@@ -11,6 +11,7 @@ use crate::world::{Tables, World};
 use crate::worth::{Scene, WorthError};
 use ephem::fit::FitOptions;
 use mission::occasions::{Blackout, blackouts};
+use onboard_core::sequencer::SkipReason;
 use rayon::prelude::*;
 
 /// What a mission offers to a schedule, and the rules that bind it.
@@ -52,6 +53,14 @@ impl Offered {
         Ok(Self { tables, offers, blackouts, problem })
     }
 
+    /// The best schedule of it.
+    fn scheduled(self, progress: &dyn Progress) -> Result<Plan, PlanError> {
+        let problem = &self.problem;
+        let (schedule, loosened) =
+            rayon::join(|| schedule_until(problem, progress), || loosen(problem, progress));
+        Ok(Plan { schedule: schedule?, loosened: loosened?, offered: self })
+    }
+
     /// The id that an opportunity's session has.
     #[must_use]
     pub fn id(&self, world: &World, candidate: usize) -> String {
@@ -83,6 +92,27 @@ impl Offered {
 }
 
 impl Plan {
+    /// The plan made again without some of its sessions, each with the reason why the spacecraft would
+    /// skip it.
+    ///
+    /// # Errors
+    /// As [`plan`].
+    pub fn without(
+        self,
+        sessions: &[(usize, SkipReason)],
+        progress: &dyn Progress,
+    ) -> Result<Self, PlanError> {
+        let mut offered = self.offered;
+        let demands = &mut offered.problem.demands;
+        for &(candidate, reason) in sessions {
+            if let Err(place) = demands.avoided.binary_search(&candidate) {
+                demands.avoided.insert(place, candidate);
+                demands.skipped.insert(candidate, reason);
+            }
+        }
+        offered.scheduled(progress)
+    }
+
     /// Its sessions by start.
     ///
     /// # Errors
@@ -106,8 +136,5 @@ pub fn plan(
     let list = offered.offers.opportunities.list();
     let ids: Vec<String> = list.iter().map(|it| session_id(world, it)).collect();
     revision.ask(&ids, &mut offered.problem)?;
-    let problem = &offered.problem;
-    let (schedule, loosened) =
-        rayon::join(|| schedule_until(problem, progress), || loosen(problem, progress));
-    Ok(Plan { schedule: schedule?, loosened: loosened?, offered })
+    offered.scheduled(progress)
 }

@@ -7,6 +7,7 @@
 //! longest gap is charged in steps (see [`LongestGap`]); scan angles count in whole milliseconds.
 
 use super::rule::SessionCount;
+use onboard_core::sequencer::SkipReason;
 use onboard_core::time::{Duration, Instant};
 use std::collections::BTreeMap;
 
@@ -27,8 +28,11 @@ pub struct Demands {
     pub thermal: Option<Thermal>,
     /// Half-open intervals that no session may touch.
     pub blackouts: Vec<(Instant, Instant)>,
-    /// Candidates whose line of sight comes too near to a body to avoid, ascending.
+    /// Candidates that the spacecraft would not begin, ascending: a field of view comes too near to a
+    /// body to avoid, or what `skipped` says.
     pub avoided: Vec<usize>,
+    /// Why the spacecraft would not begin some of `avoided`, where that is no body to avoid.
+    pub skipped: BTreeMap<usize, SkipReason>,
     /// Candidates that must stand.
     pub fixed: Vec<usize>,
     /// Candidates that must not stand.

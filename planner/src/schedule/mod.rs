@@ -71,7 +71,7 @@ pub use demands::{Contact, Data, Demands, Diversity, Log, LongestGap, Previous, 
 pub use error::ScheduleError;
 pub use loosen::{Give, Loosening, loosen};
 pub use problem::{Candidate, MAX_CANDIDATES, Problem};
-pub use reason::{Because, Rejection};
+pub use reason::{Because, Rejection, skipped};
 pub use rule::{ConstraintUse, Exclusive, Rule, RuleName, Rules, SessionCount, Unit};
 pub use solution::{Schedule, Stopped};
 pub use solve::{schedule, schedule_until};

@@ -201,7 +201,8 @@ fn screen(problem: &Problem, index: usize) -> Option<Because> {
         return Some(Because::Forbidden);
     }
     if demands.avoided.binary_search(&index).is_ok() {
-        return Some(Because::Avoided);
+        let skipped = demands.skipped.get(&index);
+        return Some(skipped.map_or(Because::Avoided, |reason| Because::Skipped(*reason)));
     }
     if let Some(index) = demands.blackouts.iter().position(|it| it.0 < end && start < it.1) {
         return Some(Because::Blackout { index });

@@ -1,5 +1,6 @@
 //! Why a candidate was not taken.
 
+use onboard_core::sequencer::SkipReason;
 use onboard_core::time::{Duration, Instant};
 use std::fmt;
 
@@ -45,8 +46,11 @@ pub enum Because {
         /// Index of the blackout.
         index: usize,
     },
-    /// Its line of sight comes too near to a body to avoid.
+    /// A field of view of its telescope comes too near to a body to avoid, setup and cooldown
+    /// included.
     Avoided,
+    /// The spacecraft would skip it for another reason.
+    Skipped(SkipReason),
     /// A person forbids it.
     Forbidden,
     /// Reserved time in a sliding window would exceed the limit.
@@ -93,6 +97,9 @@ impl fmt::Display for Because {
             ),
             Self::Blackout { index } => write!(f, "it touches blackout {index}"),
             Self::Avoided => f.write_str("its line of sight comes too near to a body to avoid"),
+            Self::Skipped(reason) => {
+                write!(f, "the spacecraft would skip it: {}", skipped(reason))
+            }
             Self::Forbidden => f.write_str("it is forbidden"),
             Self::Thermal => f.write_str("the reserved time in a thermal window would be too long"),
             Self::Memory => f.write_str("the memory would overflow before the next contacts"),
@@ -101,6 +108,27 @@ impl fmt::Display for Because {
             }
             Self::NotWorth => f.write_str("taking it brings less than it costs"),
         }
+    }
+}
+
+/// Why the spacecraft skips a session, in words.
+#[must_use]
+pub fn skipped(reason: SkipReason) -> String {
+    match reason {
+        SkipReason::Missed => "its start had passed".to_owned(),
+        SkipReason::Overlap => "another session still runs at its start".to_owned(),
+        SkipReason::NotChecked => "there is no time to check it beforehand".to_owned(),
+        SkipReason::NoPass => "it finds no pass".to_owned(),
+        SkipReason::Entry(by) => format!("it finds the first entry {} s off", by.seconds()),
+        SkipReason::Exit(by) => format!("it finds the last exit {} s off", by.seconds()),
+        SkipReason::Passes(passes) => format!("it finds {passes} passes"),
+        SkipReason::Uncertain(within) => {
+            format!("it knows its passes only within {} s", within.seconds())
+        }
+        SkipReason::Avoidance(body) => {
+            format!("a field of view comes too near to body {body}")
+        }
+        SkipReason::Ephemeris(error) => format!("its tables have no answer: {error:?}"),
     }
 }
 

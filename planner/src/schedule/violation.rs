@@ -40,8 +40,8 @@ pub enum Violation {
     /// A forbidden session stands.
     #[error("candidate {0} is forbidden")]
     Forbidden(usize),
-    /// A session too near to a body to avoid stands.
-    #[error("candidate {0} comes too near to a body to avoid")]
+    /// A session that the spacecraft would not begin stands, such as one too near to a body to avoid.
+    #[error("candidate {0} comes too near to a body to avoid, or would be skipped on board")]
     Avoided(usize),
     /// A session touches a blackout.
     #[error("the session of candidate {0} touches a blackout")]

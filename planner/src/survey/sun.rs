@@ -86,7 +86,7 @@ mod tests {
     #[test]
     fn a_table_without_the_sun_is_refused() {
         assert_eq!(SunTable::new(vec![0; 5]).unwrap_err(), EphemerisError::WrongLength);
-        // No spans, no coefficients.
-        assert_eq!(SunTable::new(vec![0; 8]).unwrap_err(), EphemerisError::NoSuchBody(SUN));
+        // No bodies, no spans, no coefficients.
+        assert_eq!(SunTable::new(vec![0; 16]).unwrap_err(), EphemerisError::NoSuchBody(SUN));
     }
 }

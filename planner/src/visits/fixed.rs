@@ -6,7 +6,9 @@
 //! zero, so that only the Sun's motion limits the search's steps.
 
 use onboard_core::direction::{Direction, MotionBounds};
-use onboard_core::ephemeris::{EphemerisError, EphemerisTable, FIRST_USER_BODY, Span};
+use onboard_core::ephemeris::{
+    BodyRecord, EphemerisError, EphemerisTable, FIRST_USER_BODY, Span, table_header,
+};
 use onboard_core::frame::Ecliptic;
 use onboard_core::time::Instant;
 use std::num::NonZeroU64;
@@ -34,9 +36,9 @@ impl FixedDirection {
             granule_ns: length.unwrap_or(NonZeroU64::MIN),
             bounds: MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 1.0 },
         };
-        let mut bytes = Vec::new();
-        bytes.extend(1_u32.to_le_bytes());
-        bytes.extend(3_u32.to_le_bytes());
+        let record = BodyRecord { body: BODY, spans: 1, first: 0, bounds: span.bounds };
+        let mut bytes = table_header(1, 1, 3).to_vec();
+        bytes.extend(record.to_le_bytes());
         bytes.extend(span.to_le_bytes());
         for component in direction.xyz() {
             bytes.extend(component.to_le_bytes());

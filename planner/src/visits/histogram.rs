@@ -8,7 +8,7 @@
 //! included.
 
 use onboard_core::time::Duration;
-use onboard_core::visits::{Bins, Slot, Spacing};
+use onboard_core::visits::{Bins, HistogramBin, Spacing};
 
 /// Logarithmic bins in a decade.
 pub const BINS_PER_DECADE: usize = 10;
@@ -57,10 +57,10 @@ impl Histogram {
         let Ok(bins) = Bins::new(spacing, low, high) else { return histogram };
         histogram.edges_s = (0..=count).map(|index| bins.edge_s(index, count)).collect();
         for value in values {
-            match bins.slot(value.seconds(), count) {
-                Slot::Under => histogram.under += 1,
-                Slot::Over => histogram.over += 1,
-                Slot::Bin(index) => histogram.counts[index] += 1,
+            match bins.bin(value.seconds(), count) {
+                HistogramBin::Underflow => histogram.under += 1,
+                HistogramBin::Overflow => histogram.over += 1,
+                HistogramBin::Bin(index) => histogram.counts[index] += 1,
             }
         }
         histogram

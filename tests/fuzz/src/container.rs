@@ -5,7 +5,7 @@ use crate::{ephemeris, mission, plan, repair};
 use onboard_core::attitude::attitude;
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::sequencer::{
-    EventQueue, MAX_EVALUATIONS_PER_TICK, Sequencer, Settings, Situation,
+    EventQueue, MAX_EVALUATIONS_PER_TICK, ScanEstimate, Sequencer, Settings, Situation,
 };
 use onboard_core::time::{Duration, Instant};
 use onboard_core::transit::{Channel, MAX_EVALUATIONS_PER_STEP, Step, TransitFinder};
@@ -107,6 +107,7 @@ fn carry_out(tables: &Tables<'_>, seed: u64) {
     let at = first.map_or(tables.header().valid_from, |session| session.start);
     let clock = ClockCorrelation {
         sequence: 1,
+        spacecraft: 1,
         uncertainty_ns: 0,
         ticks: 0,
         at,
@@ -118,6 +119,7 @@ fn carry_out(tables: &Tables<'_>, seed: u64) {
     let check_ahead = Duration::from_ns(i64::MAX);
     let settings = Settings { telescope, check_ahead, ..SETTINGS };
     let Ok(mut sequencer) = Sequencer::new(settings) else { return };
+    sequencer.resume();
     let mut events = EventQueue::<8>::new();
     let mut noise = Noise::new(seed);
     for tick in -TICKS / 2..TICKS / 2 {
@@ -126,7 +128,8 @@ fn carry_out(tables: &Tables<'_>, seed: u64) {
             ticks: (tick * 10 + jump).cast_unsigned(),
             clock: Some(&clock),
             tables: Some(tables),
-            strategy: None,
+            tables_damaged: false,
+            scan: ScanEstimate::Mission,
         };
         let told = sequencer.tick(&situation, &mut events);
         assert!(told.evaluations <= MAX_EVALUATIONS_PER_TICK);

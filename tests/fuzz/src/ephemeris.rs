@@ -1,6 +1,6 @@
 //! The ephemeris section, without a container about it.
 
-use onboard_core::ephemeris::{EphemerisError, EphemerisTable, Span};
+use onboard_core::ephemeris::{EphemerisError, EphemerisTable, HEADER_BYTES, Span};
 use onboard_core::time::Instant;
 use std::collections::BTreeSet;
 use tests::Noise;
@@ -11,15 +11,18 @@ const SPANS: usize = 6;
 /// Reads the bytes as a table.
 pub fn run(data: &[u8]) {
     if let Ok(table) = EphemerisTable::parse(data) {
-        let again: Vec<u8> = table.spans().flat_map(|span| span.to_le_bytes()).collect();
-        assert_eq!(again, data[8..8 + again.len()]);
-        assert_eq!(table.spans().count(), data_count(data));
+        let bodies = table.bodies().flat_map(|body| body.to_le_bytes());
+        let spans = table.spans().flat_map(|span| span.to_le_bytes());
+        let again: Vec<u8> = bodies.chain(spans).collect();
+        assert_eq!(again, data[HEADER_BYTES..HEADER_BYTES + again.len()]);
+        let counts = (table.bodies().count(), table.spans().count());
+        assert_eq!(counts, (count_at(data, 0), count_at(data, 4)));
         check(table, data.len() as u64);
     }
 }
 
-fn data_count(data: &[u8]) -> usize {
-    data.first_chunk::<4>().map_or(0, |count| u32::from_le_bytes(*count) as usize)
+fn count_at(data: &[u8], offset: usize) -> usize {
+    data[offset..].first_chunk::<4>().map_or(0, |count| u32::from_le_bytes(*count) as usize)
 }
 
 /// These instants, one ns to either side, the ends of the scale, and some between.

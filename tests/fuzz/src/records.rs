@@ -4,7 +4,9 @@ use crate::input::Input;
 use crate::repair;
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
 use onboard_core::time::Instant;
-use onboard_core::uplink::{ROLLBACK_BYTES, RollbackOrder};
+use onboard_core::uplink::{
+    MISSION_CHANGE_BYTES, MissionChangeOrder, ROLLBACK_BYTES, RollbackOrder, SequenceError,
+};
 
 /// Reads a correlation and an order from the front of the bytes, and counters from the rest.
 pub fn run(data: &[u8]) {
@@ -14,9 +16,11 @@ pub fn run(data: &[u8]) {
         for image in [bytes, repair::record(&bytes, *b"GYRCLOCK")] {
             if let Ok(record) = ClockCorrelation::from_le_bytes(&image) {
                 assert_eq!(record.to_le_bytes(), image);
+                let newest = record.sequence;
+                let older = SequenceError::Older { candidate: newest, newest };
                 assert_eq!(
-                    record.replacing(Some(&record)),
-                    Err(ClockError::Older(record.sequence, record.sequence))
+                    record.replacing(Some(&record), record.spacecraft),
+                    Err(ClockError::Sequence(older))
                 );
                 let near = [0, 1, u64::MAX, 1 << 63].map(|it| record.ticks.wrapping_add(it));
                 let given = counters.iter().take(32).map(|it| u64::from_le_bytes(*it));
@@ -31,6 +35,14 @@ pub fn run(data: &[u8]) {
             if let Ok(order) = RollbackOrder::from_le_bytes(&image) {
                 assert_eq!(order.to_le_bytes(), image);
                 assert!(order.to < order.from);
+            }
+        }
+    }
+    if let Some(bytes) = data.first_chunk::<MISSION_CHANGE_BYTES>() {
+        for image in [*bytes, repair::record(bytes, *b"GYRCHNGE")] {
+            if let Ok(order) = MissionChangeOrder::from_le_bytes(&image) {
+                assert_eq!(order.to_le_bytes(), image);
+                assert_ne!(order.to, order.from);
             }
         }
     }

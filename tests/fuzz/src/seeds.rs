@@ -1,6 +1,7 @@
 //! The seed corpus: real tables and records, and streams of operations that get somewhere.
 
 use crate::{sequencer as fly, slots as store};
+use onboard_core::ephemeris::{BODY_BYTES, HEADER_BYTES, SPAN_BYTES, table_header};
 use onboard_core::field_of_view::FieldShape;
 use onboard_core::frame::{Boresight, Detector, Telescope};
 use onboard_core::phase::{Phase, Rotor};
@@ -38,18 +39,22 @@ fn moving() -> Vec<u8> {
         table(body, -DAY, 10 * 86_400_000_000_000, &granules)
     };
     let tables = [one(4, 0.02), one(5, 0.01), one(10, 0.086)];
-    let numbers = (tables[0].len() - 8 - 56) / 8;
-    let count = u32::try_from(tables.len()).expect("three tables");
-    let mut bytes = count.to_le_bytes().to_vec();
-    bytes.extend((u32::try_from(numbers).expect("few numbers") * count).to_le_bytes());
+    let (body, span) = (HEADER_BYTES, HEADER_BYTES + BODY_BYTES);
+    let data = span + SPAN_BYTES;
+    let numbers = u32::try_from((tables[0].len() - data) / 8).expect("few numbers");
+    let mut bytes = table_header(3, 3, 3 * numbers).to_vec();
     for (index, one) in (0_u32..).zip(&tables) {
-        let mut span = one[8..64].to_vec();
-        let first = index * u32::try_from(numbers).expect("few numbers");
-        span[12..16].copy_from_slice(&first.to_le_bytes());
-        bytes.extend(span);
+        let mut record = one[body..span].to_vec();
+        record[8..12].copy_from_slice(&index.to_le_bytes());
+        bytes.extend(record);
+    }
+    for (index, one) in (0_u32..).zip(&tables) {
+        let mut record = one[span..data].to_vec();
+        record[12..16].copy_from_slice(&(index * numbers).to_le_bytes());
+        bytes.extend(record);
     }
     for one in &tables {
-        bytes.extend(&one[64..]);
+        bytes.extend(&one[data..]);
     }
     bytes
 }
@@ -84,6 +89,7 @@ fn full_container() -> Vec<u8> {
         valid_from: Instant::from_tai_ns(0),
         valid_until: Instant::from_tai_ns(21 * DAY),
         mission_digest: *b"first sixteen by",
+        spacecraft: 1,
     };
     let mut planned = sessions(2);
     for session in &mut planned {
@@ -114,7 +120,7 @@ fn order() -> Vec<u8> {
         .repeat(2)
 }
 
-/// Up, up, back, and up again; the same with damage, cuts and wrong orders between; writes over a
+/// Up, up, back, and up again; the same with damage, cuts and wrong orders between; uploads over a
 /// revoked container, cut short.
 fn slot_streams() -> [Vec<u8>; 3] {
     let up = |sequence| [store::UPLINK, sequence];
@@ -131,7 +137,7 @@ fn slot_streams() -> [Vec<u8>; 3] {
     ];
     let rough = [
         &up(4)[..],
-        &[store::CUT_UPLINK, 5, 200, 0],
+        &[store::CUT_UPLINK, 5, 9, 0],
         &[store::MIXED_UPLINK, 6, 120, 0],
         &[store::DAMAGED_UPLINK, 6, 70, 1, 8],
         &up(5),
@@ -147,8 +153,8 @@ fn slot_streams() -> [Vec<u8>; 3] {
         &up(1)[..],
         &up(2),
         &[store::ROLL_BACK],
-        &[store::CUT_UPLINK, 4, 12, 0],
-        &[store::CUT_UPLINK, 4, 60, 0],
+        &[store::CUT_UPLINK, 4, 1, 0],
+        &[store::CUT_UPLINK, 4, 5, 0],
         &up(4),
     ];
     [plain.concat(), rough.concat(), over_revoked.concat()]
@@ -216,6 +222,6 @@ pub fn seeds() -> Vec<Seed> {
 
 fn container_without_sections() -> Vec<u8> {
     let at = Instant::from_tai_ns(0);
-    let header = Header { sequence: 1, valid_from: at, valid_until: at, mission_digest: [0; 16] };
+    let header = Header { sequence: 1, valid_from: at, valid_until: at, mission_digest: [0; 16], spacecraft: 1 };
     container(&header, &[])
 }

@@ -7,8 +7,8 @@ use crate::input::Input;
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::scan::ScanStrategy;
 use onboard_core::sequencer::{
-    Event, EventQueue, MAX_EVALUATIONS_PER_TICK, MAX_SESSIONS_PER_TICK, Sequencer, Situation,
-    Stamped, State,
+    Event, EventQueue, MAX_EVALUATIONS_PER_TICK, MAX_OTHER_EVENTS_PER_TICK, MAX_SESSIONS_PER_TICK,
+    ScanEstimate, Sequencer, Situation, Stamped, State,
 };
 use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::{SessionRecord, Tables};
@@ -50,7 +50,9 @@ pub const STRATEGY: u8 = 12;
 pub const POP: u8 = 13;
 /// A tick at any count of the counter.
 pub const COUNTER: u8 = 14;
-const KINDS: u8 = 15;
+/// The tables' bytes are damaged, or not.
+pub const DAMAGED: u8 = 15;
+const KINDS: u8 = 16;
 
 /// The container whose sessions all disagree with the prediction.
 const WRONG: u32 = 3;
@@ -82,10 +84,11 @@ struct Flight<'a> {
     events: EventQueue<64>,
     shadow: Sequencer,
     small: EventQueue<ROOM>,
-    /// What the small queue should hold, and how much it should have dropped.
+    /// What the small queue should hold, and how much it should have lost.
     held: VecDeque<Stamped>,
-    dropped: u32,
+    lost: u32,
     tables: Option<Tables<'a>>,
+    damaged: bool,
     clock: Option<ClockCorrelation>,
     strategy: Option<ScanStrategy>,
     strategy_changed: bool,
@@ -109,7 +112,8 @@ impl Flight<'_> {
             ticks,
             clock: self.clock.as_ref(),
             tables: self.tables.as_ref(),
-            strategy: self.strategy.as_ref(),
+            tables_damaged: self.damaged,
+            scan: self.strategy.as_ref().map_or(ScanEstimate::Mission, ScanEstimate::Strategy),
         };
         let tick = self.sequencer.tick(&situation, &mut self.events);
         assert!(tick.evaluations <= MAX_EVALUATIONS_PER_TICK, "{}", tick.evaluations);
@@ -123,15 +127,11 @@ impl Flight<'_> {
 
     fn take_events(&mut self, ticks: u64, now: Option<Instant>) {
         let mut count = 0;
-        assert_eq!(self.events.dropped(), 0);
+        assert_eq!(self.events.lost().total(), 0);
         while let Some(stamped) = self.events.pop() {
             count += 1;
             assert_eq!(stamped.ticks, ticks);
-            if self.held.len() < ROOM {
-                self.held.push_back(stamped);
-            } else {
-                self.dropped += 1;
-            }
+            self.hold(stamped);
             match stamped.event {
                 Event::Started(index, session) => {
                     assert_eq!(self.under_way.replace(index), None, "two at once");
@@ -143,8 +143,20 @@ impl Flight<'_> {
                 _ => {}
             }
         }
-        assert!(count <= MAX_SESSIONS_PER_TICK + 5, "{count} events");
-        assert_eq!(self.small.dropped(), self.dropped);
+        assert!(count <= MAX_SESSIONS_PER_TICK + MAX_OTHER_EVENTS_PER_TICK, "{count} events");
+        assert_eq!(self.small.lost().total(), self.lost);
+    }
+
+    /// What the small queue should do: in a full one the newest of the least rank goes.
+    fn hold(&mut self, stamped: Stamped) {
+        self.held.push_back(stamped);
+        if self.held.len() > ROOM {
+            let rank = |it: &Stamped| it.event.kind().rank();
+            let least = self.held.iter().map(rank).min().expect("events");
+            let newest = self.held.iter().rposition(|it| rank(it) == least).expect("one");
+            self.held.remove(newest);
+            self.lost += 1;
+        }
     }
 
     fn check_start(&self, index: u32, session: &SessionRecord, now: Instant) {
@@ -161,7 +173,8 @@ impl Flight<'_> {
         let valid = |tables: Tables<'_>, now| {
             tables.header().valid_from <= now && now <= tables.header().valid_until
         };
-        let usable = now.zip(self.tables).is_some_and(|(now, tables)| valid(tables, now));
+        let sound = self.tables.filter(|_| !self.damaged);
+        let usable = now.zip(sound).is_some_and(|(now, tables)| valid(tables, now));
         let was_safe = matches!(before, State::Safe(_));
         let is_safe = matches!(after, State::Safe(_));
         assert!(usable || is_safe, "{after:?} without a valid clock and tables");
@@ -227,6 +240,7 @@ impl Flight<'_> {
                 self.tick_to(at + i64::from(input.byte()?.cast_signed()) * SECOND);
             }
             NO_CLOCK => self.clock = None,
+            DAMAGED => self.damaged = input.byte()?.is_multiple_of(2),
             CLOCK_BACK => self.clock = Some(CLOCK),
             OTHER_CLOCK => {
                 self.clock = Some(ClockCorrelation {
@@ -274,19 +288,25 @@ impl Flight<'_> {
 /// # Panics
 /// When a rule is broken.
 pub fn run(data: &[u8]) {
-    let sequencer = Sequencer::new(SETTINGS).expect("legal settings");
+    let mut sequencer = Sequencer::new(SETTINGS).expect("legal settings");
+    // Safe from the first tick on, unless the first byte says so.
+    let resumed = data.first().is_none_or(|byte| byte & 0x80 == 0);
+    if resumed {
+        sequencer.resume();
+    }
     let mut flight = Flight {
         shadow: sequencer.clone(),
         sequencer,
         events: EventQueue::new(),
         small: EventQueue::new(),
         held: VecDeque::new(),
-        dropped: 0,
+        lost: 0,
         tables: Some(Tables::load(&containers()[0]).expect("sound tables")),
+        damaged: false,
         clock: Some(CLOCK),
         strategy: None,
         strategy_changed: false,
-        resumed: false,
+        resumed,
         under_way: None,
         ns: 0,
         left: TICKS,

@@ -1,23 +1,23 @@
-//! Two slots under uplinks, cut writes, rollbacks and damage, in any order.
+//! Two slots under uplinks, cut uploads, rollbacks and damage, in any order.
 //!
 //! The bytes are a stream of operations, one byte each and its operands.
 
 use crate::input::Input;
 use onboard_core::time::Instant;
 use onboard_core::uplink::{
-    Header, RollbackOrder, SectionKind, Slot, SlotError, Slots, Tables, revoke,
+    CONTAINER_OFFSET, Header, RollbackOrder, SectionKind, Slot, SlotState, Slots, Tables,
 };
 use std::sync::OnceLock;
 use tests::Plain;
 use tests::campaign::{ephemeris, sun, telescope};
-use tests::uplink::{container, mission, plan};
+use tests::uplink::{carry_out, container, mission, plan};
 
-const ROOM: usize = 700;
+const ROOM: usize = CONTAINER_OFFSET + 704;
 const OPERATIONS: usize = 24;
 const VALID: i64 = 1_000;
 /// First byte of an operation: what it does.
 pub const UPLINK: u8 = 0;
-/// An uplink whose write is cut short.
+/// An uplink that ends after so many operations.
 pub const CUT_UPLINK: u8 = 1;
 /// An uplink with a byte replaced.
 pub const DAMAGED_UPLINK: u8 = 2;
@@ -58,6 +58,7 @@ fn candidate(sequence: u32, valid_until: i64) -> Vec<u8> {
         valid_from: Instant::from_tai_ns(0),
         valid_until: Instant::from_tai_ns(valid_until),
         mission_digest: [0; 16],
+        spacecraft: 1,
     };
     let all = contents();
     let sections: [(SectionKind, &[u8]); 3] = [
@@ -72,8 +73,6 @@ struct Store {
     a: Vec<u8>,
     b: Vec<u8>,
     now: Instant,
-    /// Whether a byte in a slot was ever replaced.
-    damaged: bool,
 }
 
 /// Sequence number and digest of the tables in use, and their place.
@@ -89,6 +88,11 @@ impl Store {
             Slot::A => &mut self.a,
             Slot::B => &mut self.b,
         }
+    }
+
+    /// What both slots hold.
+    fn states(&self) -> [SlotState; 2] {
+        [Slot::A, Slot::B].map(|slot| self.slots().state(slot))
     }
 
     /// What is in use; it must be the newest sound container, wherever it lies.
@@ -111,52 +115,53 @@ impl Store {
         active
     }
 
-    /// Offers a candidate and, where it is admitted, writes so many bytes of it.
-    fn offer(&mut self, candidate: &[u8], written: usize) {
+    /// Offers a candidate and, where it is admitted, carries so many operations out.
+    fn offer(&mut self, candidate: &[u8], operations: usize) {
         let before = self.in_use();
-        let Ok(slot) = self.slots().admit(candidate, self.now) else {
+        let Ok(mut upload) = self.slots().admit(candidate, self.now) else {
             assert_eq!(self.in_use(), before);
             return;
         };
         let tables = Tables::load(candidate).expect("an admitted container is sound");
         let sequence = tables.header().sequence;
         assert!(self.now <= tables.header().valid_until);
-        for place in [Slot::A, Slot::B] {
-            match self.slots().tables(place) {
-                Ok(tables) => assert!(tables.header().sequence < sequence),
-                Err(SlotError::Revoked(revoked)) => assert!(revoked < sequence, "by the back door"),
-                Err(SlotError::Unsound(_)) => {}
+        for state in self.states() {
+            if let SlotState::Committed(held) | SlotState::Revoked(Some(held)) = state {
+                assert!(held < sequence, "by the back door");
             }
         }
+        let slot = upload.slot();
         assert!(before.is_none_or(|(_, _, active)| active != slot), "over the active tables");
-        let written = written.min(candidate.len());
-        let place = self.bytes(slot);
-        place[..written].copy_from_slice(&candidate[..written]);
-        let whole = place[..candidate.len()] == *candidate;
-        let after = self.in_use();
-        if whole {
-            assert_eq!(after, Some((sequence, tables.set_digest(), slot)));
-        } else if self.damaged {
-            // The first bytes may happen to mend what damage broke.
-            assert!(before.map(|it| it.0) <= after.map(|it| it.0), "a cut write led back");
-        } else {
-            assert_eq!(after, before, "a cut write changed what is in use");
+        for _ in 0..operations {
+            let Some(operation) = upload.next(&self.slots()).expect("sound memory") else {
+                assert_eq!(self.in_use(), Some((sequence, tables.set_digest(), slot)));
+                return;
+            };
+            assert_ne!(self.in_use().map(|it| it.0), Some(sequence), "active before its end");
+            carry_out(operation, [&mut self.a, &mut self.b]);
+            let after = self.in_use();
+            let whole = after == Some((sequence, tables.set_digest(), slot));
+            assert!(whole || after == before, "a cut upload changed what is in use");
         }
     }
 
-    /// Carries out an order, where it is accepted.
+    /// Carries an order out, where it is accepted.
     fn order(&mut self, order: &RollbackOrder) {
         let before = self.in_use();
-        let Ok(slot) = self.slots().roll_back(order, self.now) else {
+        let Ok(mut revocation) = self.slots().roll_back(order, self.now) else {
             assert_eq!(self.in_use(), before);
             return;
         };
+        let slot = revocation.slot();
         let (sequence, _, active) = before.expect("something to leave");
         assert_eq!((sequence, active), (order.from, slot));
         assert!(self.now <= order.until);
-        assert!(revoke(self.bytes(slot)));
-        let (sequence, digest, _) = self.in_use().expect("something to return to");
-        assert_eq!((sequence, digest), (order.to, order.to_digest));
+        while let Some(operation) = revocation.next(&self.slots()).expect("sound memory") {
+            carry_out(operation, [&mut self.a, &mut self.b]);
+            let (sequence, digest, _) = self.in_use().expect("something to return to");
+            assert_eq!((sequence, digest), (order.to, order.to_digest));
+        }
+        assert_eq!(self.slots().state(slot), SlotState::Revoked(Some(order.from)));
         assert!(self.slots().roll_back(order, self.now).is_err(), "carried out twice");
     }
 
@@ -174,9 +179,9 @@ impl Store {
             UPLINK | CUT_UPLINK | DAMAGED_UPLINK | MIXED_UPLINK => {
                 let sequence = u32::from(input.byte()?);
                 let mut bytes = candidate(sequence, if sequence == 200 { 1 } else { VALID });
-                let mut written = bytes.len();
+                let mut operations = usize::MAX;
                 if operation == CUT_UPLINK {
-                    written = usize::from(input.short()?);
+                    operations = usize::from(input.short()?);
                 } else if operation == DAMAGED_UPLINK {
                     let at = usize::from(input.short()?) % bytes.len();
                     bytes[at] ^= input.byte()?;
@@ -187,7 +192,7 @@ impl Store {
                     let from = usize::from(input.short()?) % length;
                     bytes[from..length].copy_from_slice(&other[from..length]);
                 }
-                self.offer(&bytes, written);
+                self.offer(&bytes, operations);
             }
             ROLL_BACK => {
                 if let Some(order) = self.right_order() {
@@ -213,7 +218,6 @@ impl Store {
                 let at = usize::from(input.short()?) % ROOM;
                 let value = input.byte()?;
                 self.bytes(slot)[at] = value;
-                self.damaged = true;
             }
             EXCHANGE => std::mem::swap(&mut self.a, &mut self.b),
             _ => self.now = Instant::from_tai_ns(i64::from(input.byte()?) * 8),
@@ -227,7 +231,7 @@ impl Store {
 pub fn run(data: &[u8]) {
     let mut input = Input(data);
     let now = Instant::from_tai_ns(100);
-    let mut store = Store { a: vec![0xff; ROOM], b: vec![0xff; ROOM], now, damaged: false };
+    let mut store = Store { a: vec![0xff; ROOM], b: vec![0xff; ROOM], now };
     for _ in 0..OPERATIONS {
         if store.operate(&mut input).is_none() {
             break;

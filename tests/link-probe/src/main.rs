@@ -13,6 +13,7 @@ mod faults;
 #[cfg(target_arch = "x86_64")]
 mod memory;
 
+use core::num::NonZeroU64;
 use onboard_core::attitude::{Sweep, attitude, crossing_angle_rad, sweep};
 use onboard_core::avoidance::{
     AvoidanceError, AvoidanceFinder, AvoidanceLimit, AvoidanceStep, Zone, angle_to_field_rad,
@@ -20,7 +21,9 @@ use onboard_core::avoidance::{
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
 use onboard_core::detector::detector_at;
 use onboard_core::direction::{Direction, DirectionState, MotionBounds};
-use onboard_core::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SPAN_BYTES, Span};
+use onboard_core::ephemeris::{
+    self, BODY_BYTES, BodyRecord, BodyTable, EphemerisError, EphemerisTable, HEADER_BYTES, SPAN_BYTES, Span,
+};
 use onboard_core::field_of_view::{FieldOfView, FieldOfViewError, FieldShape};
 use onboard_core::forecast::{Forecast, ForecastStep, NextVisit};
 use onboard_core::frame::{AntiSun, Boresight, Detector, Ecliptic, Icrf, Spin, Telescope};
@@ -29,26 +32,32 @@ use onboard_core::phase::{Phase, Rotor, TurnRate};
 use onboard_core::rotation::{Rotation, RotationError};
 use onboard_core::scan::{ScanError, ScanParameters, ScanStrategy};
 use onboard_core::sequencer::{
-    EventQueue, Sequencer, Settings, SettingsError, Situation, Stamped, State, Tick,
+    Event, EventKind, EventQueue, Lost, Question, ScanEstimate, Sequencer, SessionCheck, Settings,
+    SettingsError, Situation, SkipReason, Stamped, State, Tick,
 };
 use onboard_core::sun::{AntiSunAxes, SunModel};
 use onboard_core::time::{Duration, Instant};
 use onboard_core::tracking::{
-    Measurement, Refusal as MeasurementRefusal, Residuals, ResumeError, ScanAngles,
-    SettingsError as TrackerSettingsError, Tracker, TrackerSettings, TrackerState,
+    Measurement, MeasurementRefusal, Residuals, ResumeError, ScanAngles, TRACKER_BYTES, Tracker,
+    TrackerSettings, TrackerSettingsError, TrackerState,
 };
-use onboard_core::transit::{Channel, Confidence, SearchState, Step, Transit, TransitFinder};
+use onboard_core::record::RecordError;
+use onboard_core::saved_visits::visits_record_bytes;
+use onboard_core::transit::{
+    Channel, Confidence, SEARCH_BYTES, SearchOrigin, SearchState, Step, Transit, TransitFinder,
+};
 use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::uplink::{
-    Active, AvoidanceRecord, Container, Counts, DetectorRecord, Header, MissionError, MissionTable,
-    NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Refusal, RollbackError, RollbackOrder,
-    SESSION_BYTES, SectionKind, SessionRecord, SetDigest, Slot, SlotError, Slots, SunRecord,
-    TableError, Tables, TelescopeRecord, UplinkError, checksum, entry_to_le_bytes, revoke,
+    Active, AvoidanceRecord, Container, Counts, DetectorRecord, FlashError, FlashOperation, Header,
+    MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder, MissionError, MissionTable,
+    NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Revocation, RollbackError, RollbackOrder,
+    RollbackRefusal, SESSION_BYTES, Scrub, ScrubStep, SectionKind, SequenceError, SessionRecord, SetDigest, Slot,
+    SlotState, Slots, SunRecord, TableError, Tables, TelescopeRecord, Upload, UploadRefusal,
+    UplinkError, check_sequence, checksum, committed_head, entry_to_le_bytes, slot_bytes,
 };
 
 use onboard_core::visits::{
-    Bins, BinsError, Divisions, Histogram, Slot as BinSlot, Spacing, TargetVisits, VisitError,
-    VisitLog,
+    Bins, BinsError, Divisions, Histogram, HistogramBin, Spacing, TargetVisits, VisitError, VisitLog,
 };
 
 unsafe extern "C" {
@@ -116,6 +125,12 @@ probes! {
     phase_half(phase: Phase) -> Phase { phase.half() }
     phase_sin_cos(phase: Phase) -> (f64, f64) { phase.sin_cos() }
     turn_rate_from_bits(bits: u128) -> TurnRate { TurnRate::from_bits(bits) }
+    turn_rate_from_turns(turns: i64, seconds: NonZeroU64) -> Option<TurnRate> { TurnRate::from_turns(turns, seconds) }
+    turn_rate_from_period(period: Duration) -> Option<TurnRate> { TurnRate::from_period(period) }
+    rotor_with_period(period: Duration, start: Phase) -> Option<Rotor> { Rotor::with_period(period, start) }
+    scrub_new(tables: &'static Tables<'static>) -> Scrub<'static> { Scrub::new(tables) }
+    scrub_longest(scrub: &'static Scrub<'static>) -> u32 { scrub.longest() }
+    scrub_step(scrub: *mut Scrub<'static>) -> ScrubStep { (&mut *scrub).step() }
     turn_rate_from_radians_per_second(rad_s: f64) -> TurnRate { TurnRate::from_radians_per_second(rad_s) }
     turn_rate_plus(a: TurnRate, b: TurnRate) -> TurnRate { a.plus(b) }
     turn_rate_bits(rate: TurnRate) -> u128 { rate.bits() }
@@ -145,11 +160,16 @@ probes! {
     rotation_inverse(rotation: Attitude) -> Rotation<Ecliptic, Detector> { rotation.inverse() }
     rotation_apply(rotation: Attitude, direction: Direction<Detector>) -> Direction<Ecliptic> { rotation.apply(direction) }
 
+    body_record_from_le_bytes(record: [u8; BODY_BYTES]) -> Option<BodyRecord> { BodyRecord::from_le_bytes(&record) }
+    body_record_to_le_bytes(record: BodyRecord) -> [u8; BODY_BYTES] { record.to_le_bytes() }
+    table_header(bodies: u32, spans: u32, coefficients: u32) -> [u8; HEADER_BYTES] { ephemeris::table_header(bodies, spans, coefficients) }
+    motion_bounds_and(a: MotionBounds, b: MotionBounds) -> MotionBounds { a.and(&b) }
     span_from_le_bytes(record: [u8; SPAN_BYTES]) -> Option<Span> { Span::from_le_bytes(&record) }
     span_to_le_bytes(span: Span) -> [u8; SPAN_BYTES] { span.to_le_bytes() }
     span_end(span: Span) -> Option<Instant> { span.end() }
     ephemeris_table_parse(bytes: Bytes) -> Result<EphemerisTable<'static>, EphemerisError> { EphemerisTable::parse(bytes) }
     ephemeris_table_spans(table: EphemerisTable<'static>) -> u64 { table.spans().fold(0, |sum, span| sum ^ span.granule_ns.get()) }
+    ephemeris_table_bodies(table: EphemerisTable<'static>) -> u32 { table.bodies().fold(0, |sum, body| sum ^ body.first) }
     ephemeris_table_body(table: EphemerisTable<'static>, body: i32) -> Result<BodyTable<'static>, EphemerisError> { table.body(body) }
     body_table_state(body: BodyTable<'static>, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> { body.state(at) }
     body_table_coverage(body: BodyTable<'static>) -> Option<(Instant, Instant)> { body.coverage() }
@@ -196,6 +216,8 @@ probes! {
     tracker_new(scan: *const ScanStrategy, settings: *const TrackerSettings, epoch: Instant) -> Result<Tracker, TrackerSettingsError> { Tracker::new(&*scan, &*settings, epoch) }
     tracker_restart(tracker: *mut Tracker, scan: *const ScanStrategy, epoch: Instant) -> () { (&mut *tracker).restart(&*scan, epoch) }
     tracker_state(tracker: *const Tracker) -> TrackerState { (&*tracker).state() }
+    tracker_state_to_le_bytes(state: *const TrackerState, spacecraft: u32) -> [u8; TRACKER_BYTES] { (&*state).to_le_bytes(spacecraft) }
+    tracker_state_from_le_bytes(record: &'static [u8; TRACKER_BYTES], spacecraft: u32) -> Result<TrackerState, RecordError> { TrackerState::from_le_bytes(record, spacecraft) }
     tracker_resume(tracker: *mut Tracker, state: *const TrackerState) -> Result<(), ResumeError> { (&mut *tracker).resume(&*state) }
     tracker_strategy(tracker: *const Tracker) -> ScanStrategy { *(&*tracker).strategy() }
     tracker_epoch(tracker: *const Tracker) -> Instant { (&*tracker).epoch() }
@@ -207,11 +229,15 @@ probes! {
 
     channel_new(scan: &'static ScanStrategy, sun: &'static SunModel<'static>, target: BodyTable<'static>, field: &'static FieldOfView, span: (Instant, Instant)) -> Channel<'static> { Channel::new(scan, *sun, target, field, span) }
     channel_state(channel: &'static Channel<'static>) -> SearchState { channel.state() }
+    search_origin_new(header: &'static Header, set_digest: u64, scan: &'static ScanStrategy, field: &'static FieldOfView, body: i32) -> SearchOrigin { SearchOrigin::new(header, set_digest, scan, field, body) }
+    search_state_to_le_bytes(state: *const SearchState, of: SearchOrigin) -> [u8; SEARCH_BYTES] { (&*state).to_le_bytes(&of) }
+    search_state_from_le_bytes(record: &'static [u8; SEARCH_BYTES], of: SearchOrigin) -> Result<SearchState, RecordError> { SearchState::from_le_bytes(record, &of) }
     channel_resume(channel: &'static mut Channel<'static>, state: SearchState) -> () { channel.resume(state) }
     channel_evaluations(channel: &'static Channel<'static>) -> u64 { channel.evaluations() }
     channel_frontier(channel: &'static Channel<'static>) -> Option<Instant> { channel.frontier() }
     transit_dwell(transit: Transit) -> Duration { transit.dwell() }
     transit_finder_new(channels: *mut [Channel<'static>]) -> TransitFinder<'static, 'static> { TransitFinder::new(&mut *channels) }
+    transit_finder_resume(channels: *mut [Channel<'static>]) -> TransitFinder<'static, 'static> { TransitFinder::resume(&mut *channels) }
     transit_finder_channels(finder: *const TransitFinder<'static, 'static>) -> usize { (&*finder).channels().len() }
     transit_finder_step(finder: *mut TransitFinder<'static, 'static>) -> Step { (&mut *finder).step() }
 
@@ -229,7 +255,12 @@ probes! {
 
     bins_new(spacing: Spacing, low: f64, high: f64) -> Result<Bins, BinsError> { Bins::new(spacing, low, high) }
     bins_edge_s(bins: Bins, index: usize, count: usize) -> f64 { bins.edge_s(index, count) }
-    bins_slot(bins: Bins, seconds: f64, count: usize) -> BinSlot { bins.slot(seconds, count) }
+    bins_bin(bins: Bins, seconds: f64, count: usize) -> HistogramBin { bins.bin(seconds, count) }
+    visits_record_bytes_probe(bins: usize) -> usize { visits_record_bytes(bins) }
+    target_visits_to_record__1(visits: &'static TargetVisits<1>, divisions: &'static Divisions, target: u32, spacecraft: u32, record: *mut [u8]) -> Result<(), RecordError> { visits.to_record(divisions, target, spacecraft, &mut *record) }
+    target_visits_to_record__max(visits: &'static TargetVisits<64>, divisions: &'static Divisions, target: u32, spacecraft: u32, record: *mut [u8]) -> Result<(), RecordError> { visits.to_record(divisions, target, spacecraft, &mut *record) }
+    target_visits_from_record__1(record: Bytes, divisions: &'static Divisions, target: u32, spacecraft: u32) -> Result<TargetVisits<1>, RecordError> { TargetVisits::from_record(record, divisions, target, spacecraft) }
+    target_visits_from_record__max(record: Bytes, divisions: &'static Divisions, target: u32, spacecraft: u32) -> Result<TargetVisits<64>, RecordError> { TargetVisits::from_record(record, divisions, target, spacecraft) }
     histogram_total__1(histogram: &'static Histogram<1>) -> u32 { histogram.total() }
     histogram_total__max(histogram: &'static Histogram<64>) -> u32 { histogram.total() }
     visit_log_new__1(divisions: &'static Divisions, targets: *mut [TargetVisits<1>]) -> VisitLog<'static, 1> { VisitLog::new(divisions, &mut *targets) }
@@ -242,6 +273,8 @@ probes! {
     visit_log_divisions__max(log: &'static VisitLog<'static, 64>) -> Divisions { *log.divisions() }
 
     forecast_new(channels: *mut [Channel<'static>], next: *mut [Option<NextVisit>]) -> Forecast<'static, 'static, 'static> { Forecast::new(&mut *channels, &mut *next) }
+    forecast_resume(channels: *mut [Channel<'static>], next: *mut [Option<NextVisit>], waiting: Option<Transit>) -> Forecast<'static, 'static, 'static> { Forecast::resume(&mut *channels, &mut *next, waiting) }
+    forecast_waiting(forecast: &'static Forecast<'static, 'static, 'static>) -> Option<Transit> { forecast.waiting() }
     forecast_next(forecast: &'static Forecast<'static, 'static, 'static>) -> usize { forecast.next().len() }
     forecast_step(forecast: &'static mut Forecast<'static, 'static, 'static>, covariance: &'static ScanCovariance) -> ForecastStep { forecast.step(|_| *covariance) }
 
@@ -287,17 +320,28 @@ probes! {
     tables_plan(tables: *const Tables<'static>) -> PlanTable<'static> { (&*tables).plan() }
     tables_sun(tables: *const Tables<'static>) -> Result<SunModel<'static>, EphemerisError> { (&*tables).sun() }
     slot_other(slot: Slot) -> Slot { slot.other() }
-    slots_tables(slots: &'static Slots<'static>, slot: Slot) -> Result<Tables<'static>, SlotError> { slots.tables(slot) }
+    slot_bytes_probe(container: usize) -> Option<usize> { slot_bytes(container) }
+    committed_head_probe(container: Container<'static>) -> [u8; 512] { committed_head(&container) }
+    slots_bytes(slots: Slots<'static>, slot: Slot) -> Bytes { slots.bytes(slot) }
+    slots_state(slots: &'static Slots<'static>, slot: Slot) -> SlotState { slots.state(slot) }
+    slots_tables(slots: &'static Slots<'static>, slot: Slot) -> Result<Tables<'static>, SlotState> { slots.tables(slot) }
     slots_active(slots: &'static Slots<'static>) -> Result<Active<'static>, NoTables> { slots.active() }
-    slots_admit(slots: &'static Slots<'static>, candidate: Bytes, now: Instant) -> Result<Slot, Refusal> { slots.admit(candidate, now) }
-    slots_roll_back(slots: &'static Slots<'static>, order: &'static RollbackOrder, now: Instant) -> Result<Slot, Refusal> { slots.roll_back(order, now) }
-    revoke_probe(slot: *mut [u8]) -> bool { revoke(&mut *slot) }
+    slots_admit(slots: &'static Slots<'static>, candidate: Bytes, now: Instant) -> Result<Upload<'static>, UploadRefusal> { slots.admit(candidate, now) }
+    slots_admit_changed(slots: &'static Slots<'static>, candidate: Bytes, order: &'static MissionChangeOrder, now: Instant) -> Result<Upload<'static>, UploadRefusal> { slots.admit_changed(candidate, order, now) }
+    slots_roll_back(slots: &'static Slots<'static>, order: &'static RollbackOrder, now: Instant) -> Result<Revocation, RollbackRefusal> { slots.roll_back(order, now) }
+    upload_slot(upload: *const Upload<'static>) -> Slot { (&*upload).slot() }
+    upload_next(upload: *mut Upload<'static>, slots: &'static Slots<'static>) -> Result<Option<FlashOperation>, FlashError> { (&mut *upload).next(slots) }
+    revocation_slot(revocation: *const Revocation) -> Slot { (&*revocation).slot() }
+    revocation_next(revocation: *mut Revocation, slots: &'static Slots<'static>) -> Result<Option<FlashOperation>, FlashError> { (&mut *revocation).next(slots) }
+    check_sequence_probe(candidate: u32, newest: Option<u32>) -> Result<(), SequenceError> { check_sequence(candidate, newest) }
+    mission_change_order_from_le_bytes(bytes: [u8; MISSION_CHANGE_BYTES]) -> Result<MissionChangeOrder, MissionChangeError> { MissionChangeOrder::from_le_bytes(&bytes) }
+    mission_change_order_to_le_bytes(order: MissionChangeOrder) -> [u8; MISSION_CHANGE_BYTES] { order.to_le_bytes() }
     rollback_order_from_le_bytes(bytes: [u8; ROLLBACK_BYTES]) -> Result<RollbackOrder, RollbackError> { RollbackOrder::from_le_bytes(&bytes) }
     rollback_order_to_le_bytes(order: RollbackOrder) -> [u8; ROLLBACK_BYTES] { order.to_le_bytes() }
 
     clock_correlation_from_le_bytes(bytes: [u8; CLOCK_BYTES]) -> Result<ClockCorrelation, ClockError> { ClockCorrelation::from_le_bytes(&bytes) }
     clock_correlation_to_le_bytes(clock: ClockCorrelation) -> [u8; CLOCK_BYTES] { clock.to_le_bytes() }
-    clock_correlation_replacing(clock: ClockCorrelation, active: *const ClockCorrelation) -> Result<ClockCorrelation, ClockError> { clock.replacing(Some(&*active)) }
+    clock_correlation_replacing(clock: ClockCorrelation, active: *const ClockCorrelation, spacecraft: u32) -> Result<ClockCorrelation, ClockError> { clock.replacing(Some(&*active), spacecraft) }
     clock_correlation_instant(clock: *const ClockCorrelation, ticks: u64) -> Result<Instant, ClockError> { (&*clock).instant(ticks) }
     clock_correlation_tick_of(ns: u64, fraction: u64) -> u128 { ClockCorrelation::tick_of(ns, fraction) }
 
@@ -307,8 +351,22 @@ probes! {
     event_queue_pop__max(queue: *mut EventQueue<MAX_EVENTS>) -> Option<Stamped> { (&mut *queue).pop() }
     event_queue_push__1(queue: *mut EventQueue<1>, stamped: *const Stamped) -> () { (&mut *queue).push(*stamped) }
     event_queue_push__max(queue: *mut EventQueue<MAX_EVENTS>, stamped: *const Stamped) -> () { (&mut *queue).push(*stamped) }
-    event_queue_dropped__1(queue: *const EventQueue<1>) -> u32 { (&*queue).dropped() }
-    event_queue_dropped__max(queue: *const EventQueue<MAX_EVENTS>) -> u32 { (&*queue).dropped() }
+    event_queue_lost__1(queue: *const EventQueue<1>) -> Lost { (&*queue).lost() }
+    event_queue_lost__max(queue: *const EventQueue<MAX_EVENTS>) -> Lost { (&*queue).lost() }
+    event_kind(event: *const Event) -> EventKind { (&*event).kind() }
+    event_kind_rank(kind: EventKind) -> u8 { kind.rank() }
+    lost_total(lost: Lost) -> u32 { lost.total() }
+    scan_estimate_strategy(scan: *const ScanEstimate<'static>) -> Option<&'static ScanStrategy> { (&*scan).strategy() }
+    scan_estimate_covariance_at(scan: *const ScanEstimate<'static>, at: Instant) -> ScanCovariance { (&*scan).covariance_at(at) }
+    session_check_reset(check: *mut SessionCheck) -> () { (&mut *check).reset() }
+    session_check_start(check: *mut SessionCheck, strategy: *const ScanStrategy) -> () { (&mut *check).start(&*strategy) }
+    session_check_start_with_avoidance(check: *mut SessionCheck, strategy: *const ScanStrategy) -> () { (&mut *check).start_with_avoidance(&*strategy) }
+    session_check_is_waiting(check: *const SessionCheck) -> bool { (&*check).is_waiting() }
+    session_check_strategy(check: *const SessionCheck) -> &'static ScanStrategy { (&*check).strategy() }
+    session_check_verdict(check: *const SessionCheck) -> Option<Result<(), SkipReason>> { (&*check).verdict() }
+    session_check_pieces(check: *const SessionCheck) -> u32 { (&*check).pieces() }
+    session_check_uncertainty(check: *const SessionCheck, scan: *const ScanEstimate<'static>) -> Duration { (&*check).uncertainty(|at| (&*scan).covariance_at(at)) }
+    session_check_advance(check: *mut SessionCheck, question: *const Question<'static, 'static>, steps: u16) -> u32 { (&mut *check).advance(&*question, steps) }
     sequencer_new(settings: Settings) -> Result<Sequencer, SettingsError> { Sequencer::new(settings) }
     sequencer_state(sequencer: *const Sequencer) -> State { (&*sequencer).state() }
     sequencer_stop(sequencer: *mut Sequencer) -> () { (&mut *sequencer).stop() }

@@ -246,7 +246,7 @@ pub fn metered(tables: &Tables) -> Input {
 }
 
 /// Fields, and what must be told in them.
-const TOLD: [(&[&str], &[&str]); 4] = [
+const TOLD: [(&[&str], &[&str]); 6] = [
     (
         &["event"],
         &[
@@ -270,21 +270,15 @@ const TOLD: [(&[&str], &[&str]); 4] = [
             "Tables(3)",
         ],
     ),
+    (&["admitted"], &["A", "B"]),
     (
-        &["admitted", "no tables", "slot refused"],
-        &["Ok(A)", "Ok(B)", "Unsound", "Older", "Expired", "NotYetValid", "TooLong", "Revoked"],
+        &["not admitted", "no tables", "slot refused"],
+        &["Unsound", "Older", "Expired", "NotYetValid", "TooLong", "Revoked"],
     ),
+    (&["rolled back"], &["B"]),
     (
-        &["order", "rolled back"],
-        &[
-            "NotAnOrder",
-            "Damaged",
-            "NotBack",
-            "OrderExpired",
-            "NotActive",
-            "NothingToReturnTo",
-            "Ok(",
-        ],
+        &["order", "not rolled back"],
+        &["NotAnOrder", "Damaged", "NotBack", "OrderExpired", "NotActive", "NothingToReturnTo"],
     ),
     (&["measurement refused"], &["Outlier", "Stale", "NotAfter", "Future", "Sigma"]),
 ];

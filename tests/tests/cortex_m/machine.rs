@@ -45,7 +45,8 @@ impl Core {
 /// One build at a time: they share a folder, and with it the crates of the host.
 static BUILDING: Mutex<()> = Mutex::new(());
 
-fn work_folder() -> PathBuf {
+/// Where files and builds of these tests lie.
+pub fn work_folder() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("cortex-m")
 }
 
@@ -104,6 +105,49 @@ fn build(tools: &Toolchain, core: Core, firmware: &Path) -> Result<(), Failed> {
     }
     fs::copy(target.join(TARGET).join("release/firmware"), firmware)?;
     Ok(())
+}
+
+/// Builds a program of its own with the container that it flies, and returns what it prints.
+pub fn run_alone(
+    tools: &Toolchain,
+    core: Core,
+    program: &str,
+    uplink: &Path,
+) -> Result<String, Failed> {
+    let Ok(_alone) = BUILDING.lock() else { return Err("another build panicked".into()) };
+    let source = root().canonicalize()?.join(program);
+    let target = work_folder().join(program);
+    let flags = [
+        format!("-Clinker={}", tools.linker.display()),
+        "-Clink-arg=-Tlink.x".into(),
+        format!("-Ctarget-cpu={}", core.cpu()),
+    ];
+    let output = Command::new(env!("CARGO"))
+        .args(["build", "--locked", "--release", "--target", TARGET, "--manifest-path"])
+        .arg(source.join("Cargo.toml"))
+        .arg("--target-dir")
+        .arg(&target)
+        .env("GYRFALCON_UPLINK", uplink)
+        .env("RUSTC", &tools.rustc)
+        .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"))
+        .env_remove("RUSTC_WRAPPER")
+        .env_remove("RUSTC_WORKSPACE_WRAPPER")
+        .output()?;
+    if !output.status.success() {
+        return Err(told(&format!("{program} does not build"), &output));
+    }
+    let name = source.file_name().ok_or("a program without a name")?;
+    let output = Command::new(&tools.qemu)
+        .args(["-M", core.board(), "-display", "none", "-monitor", "none", "-serial", "none"])
+        .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
+        .arg(target.join(TARGET).join("release").join(name))
+        .output()?;
+    if !output.status.success() {
+        return Err(told(&format!("{program} failed"), &output));
+    }
+    // The console of semihosting is the emulator's standard error or output, as it was built.
+    let said = [output.stdout, output.stderr].concat();
+    Ok(String::from_utf8(said)?)
 }
 
 fn told(what: &str, output: &Output) -> Failed {

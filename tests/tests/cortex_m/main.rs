@@ -3,11 +3,14 @@
 //! Each test builds `tests/firmware` for a core, runs it under QEMU on a vector file made here, runs
 //! the same library on the host, and compares every word. Without the tools the tests are ignored,
 //! with the command that brings them; `tests/firmware/README.md` says more.
+//!
+//! Requirements: REQ-CORE-2.
 
 mod budget;
 mod comparison;
 mod input;
 mod machine;
+mod rtos;
 mod sequencer;
 mod services;
 mod slots;
@@ -45,6 +48,9 @@ fn main() {
         }),
         on_target("cortex_m7_built_for_size_has_the_hosts_bits", |tools, sky| {
             same_bits(tools, sky, Core::M7ForSize, PER_CASE)
+        }),
+        on_target("tasks_of_a_real_time_framework_tell_the_same", |tools, _| {
+            rtos::preempted_tasks_tell_the_same(tools)
         }),
         on_target("instructions_are_within_their_budget", budget::instructions),
     ];

@@ -19,7 +19,7 @@ const HOUR_S: i64 = 3600;
 const TICK_NS: f64 = 1250.0;
 
 /// The uplink of 20 days of `LiteBIRD` as `plan` writes it.
-fn uplink() -> &'static [u8] {
+pub fn uplink() -> &'static [u8] {
     static UPLINK: OnceLock<Vec<u8>> = OnceLock::new();
     UPLINK.get_or_init(|| {
         let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cortex-m/plan");
@@ -55,6 +55,7 @@ fn busiest(tables: &Tables<'_>) -> (u16, Vec<SessionRecord>) {
 fn clock(tables: &Tables<'_>) -> ClockCorrelation {
     ClockCorrelation {
         sequence: 1,
+        spacecraft: 1,
         uncertainty_ns: 0,
         ticks: u64::MAX - 1000,
         at: tables.header().valid_from,
@@ -77,6 +78,7 @@ fn settings(telescope: u16, tolerance_ns: i64) -> Vec<u8> {
         &0_u32.to_le_bytes(),
         &(STEP_S * SECOND).to_le_bytes(),
         &(4 * HOUR_S * SECOND).to_le_bytes(),
+        &1e-3_f64.to_le_bytes(),
         &8_u32.to_le_bytes(),
     ]
     .concat()
@@ -123,6 +125,10 @@ impl Flight {
         self.order(4, &[]);
     }
 
+    fn damaged(&mut self, damaged: u32) {
+        self.order(6, &damaged.to_le_bytes());
+    }
+
     fn strategy(&mut self, alpha_rad: f64) {
         self.order(5, &alpha_rad.to_le_bytes());
     }
@@ -141,6 +147,7 @@ pub fn blocks(input: &mut Input) {
     let mut flight = Flight::default();
     flight.clock(0);
     flight.tables(0);
+    flight.resume();
     flight.until(days * NS_PER_DAY / SECOND);
     let calm = [
         settings(telescope, 1_000_000),
@@ -222,6 +229,11 @@ fn disturbances(sessions: &[SessionRecord], start: Instant) -> Flight {
             4 => flight.seconds -= 2 * HOUR_S,
             5 => flight.seconds -= 45,
             6 => flight.tables(1),
+            7 => {
+                flight.damaged(1);
+                flight.ticks(20, 3);
+                flight.damaged(0);
+            }
             8 => flight.tables(2),
             9 => {
                 flight.clock(1);

@@ -26,10 +26,7 @@ use std::path::{Path, PathBuf};
 const ACROSS_FOLDERS: &[&[&str]] = &[];
 
 /// The same for circles that stay in one folder.
-const IN_ONE_FOLDER: &[&[&str]] = &[
-    &["sequencer/check.rs", "sequencer/mod.rs"],
-    &["sequencer/event.rs", "sequencer/mod.rs"],
-];
+const IN_ONE_FOLDER: &[&[&str]] = &[];
 
 /// The largest number that a measure may have.
 struct Limit {
@@ -99,7 +96,8 @@ fn read(folder: &str, extensions: &[&str]) -> Sources {
 }
 
 fn lines_of_files() -> Vec<(String, usize)> {
-    let files = read("", &["rs", "js", "css", "sh", "py", "c", "h"]);
+    // The C header is made from the sources, so nobody reads it for its ideas.
+    let files = read("", &["rs", "js", "css", "sh", "py", "c"]);
     files.into_iter().map(|(name, text)| (name, text.lines().count())).collect()
 }
 

@@ -1,7 +1,7 @@
 //! A sequencer in flight, with clocks, tables and commands as they come.
 //!
 //! Block: settings (telescope u32, tolerance i64 ns, passes' tolerance u32, longest gap i64, check
-//! ahead i64, steps per tick u32), clock correlations (u32 count, 72 bytes each), containers (u32
+//! ahead i64, angle of a new check f64 rad, steps per tick u32), clock correlations (u32 count, 72 bytes each), containers (u32
 //! count, each u32 bytes, then it), then orders to the end:
 //!
 //! | order, u32 | operands | what it does |
@@ -12,6 +12,7 @@
 //! | 3 | | stop |
 //! | 4 | | resume |
 //! | 5 | f64 | takes the mission's strategy with alpha off by so much; 0: the mission's own |
+//! | 6 | u32 | the tables' bytes are damaged from now on; 0: they are not |
 //!
 //! Every tick writes its state, its evaluations and its events; every order the sequencer itself.
 
@@ -21,7 +22,7 @@ use crate::sink::Sink;
 use heapless::Vec;
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::scan::ScanStrategy;
-use onboard_core::sequencer::{EventQueue, Sequencer, Settings, Situation};
+use onboard_core::sequencer::{EventQueue, ScanEstimate, Sequencer, Settings, Situation};
 use onboard_core::uplink::Tables;
 
 /// Most clock correlations, and most containers, of a block.
@@ -38,6 +39,7 @@ pub fn sequencer(block: &mut Reader<'_>) -> Result<Sequencer, Malformed> {
         passes_tolerance: block.u16()?,
         longest_gap: block.duration()?,
         check_ahead: block.duration()?,
+        recheck_rad: block.f64()?,
         steps_per_tick: block.u16()?,
     };
     Sequencer::new(settings).map_err(|_| Malformed)
@@ -56,6 +58,7 @@ struct Flight<'a> {
     events: EventQueue<4>,
     clock: Option<ClockCorrelation>,
     tables: Option<Tables<'a>>,
+    damaged: bool,
     strategy: Option<ScanStrategy>,
 }
 
@@ -66,7 +69,8 @@ impl Flight<'_> {
                 ticks,
                 clock: self.clock.as_ref(),
                 tables: self.tables.as_ref(),
-                strategy: self.strategy.as_ref(),
+                tables_damaged: self.damaged,
+                scan: self.strategy.as_ref().map_or(ScanEstimate::Mission, ScanEstimate::Strategy),
             },
             &mut self.events,
         );
@@ -76,7 +80,7 @@ impl Flight<'_> {
         while let Some(event) = self.events.pop() {
             sink.text("event", &event);
         }
-        sink.word("events dropped", self.events.dropped().into());
+        sink.word("events lost", self.events.lost().total().into());
     }
 
     fn correct(&mut self, alpha_rad: f64) -> Result<(), Malformed> {
@@ -103,8 +107,14 @@ pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed
     for _ in 0..block.u32()? {
         containers.push(block.sized()?).map_err(|_| Malformed)?;
     }
-    let mut flight =
-        Flight { sequencer, events: EventQueue::new(), clock: None, tables: None, strategy: None };
+    let mut flight = Flight {
+        sequencer,
+        events: EventQueue::new(),
+        clock: None,
+        tables: None,
+        damaged: false,
+        strategy: None,
+    };
     while !block.is_empty() {
         match block.u32()? {
             0 => {
@@ -122,6 +132,7 @@ pub fn run(block: &mut Reader<'_>, sink: &mut impl Sink) -> Result<(), Malformed
             3 => flight.sequencer.stop(),
             4 => flight.sequencer.resume(),
             5 => flight.correct(block.f64()?)?,
+            6 => flight.damaged = block.u32()? != 0,
             _ => return Err(Malformed),
         }
         sink.text("sequencer", &flight.sequencer);

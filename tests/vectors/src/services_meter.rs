@@ -19,7 +19,7 @@ use crate::sink::Sink;
 use crate::tables::Loaded;
 use crate::tracking;
 use core::hint::black_box;
-use onboard_core::sequencer::{EventQueue, Situation};
+use onboard_core::sequencer::{EventQueue, ScanEstimate, Situation};
 use onboard_core::uplink::Tables;
 
 /// Takes the three measurements.
@@ -59,11 +59,17 @@ fn sequencer(
     let correlation = sequencer::clock(block)?;
     let tables = Tables::load(block.sized()?).map_err(|_| Malformed)?;
     let (mut ticks, step) = (block.u64()?, block.u64()?);
+    sequencer.resume();
     let mut events = EventQueue::<4>::new();
     let (mut idle, mut checking) = (Measured::default(), Measured::default());
     for _ in 0..block.u32()? {
-        let situation =
-            Situation { ticks, clock: Some(&correlation), tables: Some(&tables), strategy: None };
+        let situation = Situation {
+            ticks,
+            clock: Some(&correlation),
+            tables: Some(&tables),
+            tables_damaged: false,
+            scan: ScanEstimate::Mission,
+        };
         let before = clock();
         let tick = sequencer.tick(black_box(&situation), black_box(&mut events));
         let after = clock();

@@ -5,10 +5,10 @@
 //!
 //! | order, u32 | operands | what it does |
 //! |---|---|---|
-//! | 0 | slot, image u32, bytes u32 | writes so many bytes of the image, checked or not |
+//! | 0 | slot | erases it |
 //! | 1 | slot, offset u32, bits u32 | flips these bits of the byte there |
-//! | 2 | image u32, now i64, bytes u32 | offers the image; where it is admitted, writes so many bytes |
-//! | 3 | 40 bytes, now i64 | a rollback order; where it is good, revokes |
+//! | 2 | image u32, now i64, count u32 | offers the image; where it is admitted, carries so many operations out |
+//! | 3 | 40 bytes, now i64, count u32 | a rollback order; where it is good, carries so many operations out |
 //! | 4 | 72 bytes, count u32, counters u64 | a clock correlation, and its instants at the counters |
 //!
 //! An order that touches the slots is followed by what either holds and which is active.
@@ -18,8 +18,12 @@ use crate::reader::Reader;
 use crate::sink::Sink;
 use heapless::Vec;
 use onboard_core::clock::ClockCorrelation;
-use onboard_core::uplink::{RollbackOrder, Slot, Slots, Tables, revoke};
+use onboard_core::uplink::{
+    FlashError, FlashOperation, RollbackOrder, Slot, Slots, Tables, WORD_BYTES,
+};
 
+/// The spacecraft of the clock correlations.
+pub const SPACECRAFT: u32 = 3;
 /// Most images of a block.
 pub const MAX_IMAGES: usize = 16;
 
@@ -40,9 +44,30 @@ impl Store<'_> {
         }
     }
 
-    fn write(&mut self, slot: Slot, image: &[u8], count: usize) -> Result<(), Malformed> {
-        let image = image.get(..count).ok_or(Malformed)?;
-        self.bytes(slot).get_mut(..count).ok_or(Malformed)?.copy_from_slice(image);
+    /// Carries out up to `count` operations as they come, each word only clearing bits.
+    fn carry_out(
+        &mut self,
+        count: u32,
+        mut next: impl FnMut(&Slots<'_>) -> Result<Option<FlashOperation>, FlashError>,
+        sink: &mut impl Sink,
+    ) -> Result<(), Malformed> {
+        for _ in 0..count {
+            match next(&self.slots()) {
+                Ok(Some(FlashOperation::Erase(slot))) => self.bytes(slot).fill(0xff),
+                Ok(Some(FlashOperation::Program { slot, offset, word })) => {
+                    let place = self.bytes(slot).get_mut(offset..).ok_or(Malformed)?;
+                    let place = place.first_chunk_mut::<WORD_BYTES>().ok_or(Malformed)?;
+                    for (old, new) in place.iter_mut().zip(word) {
+                        *old &= new;
+                    }
+                }
+                Ok(None) => break,
+                Err(error) => {
+                    sink.text("flash", &error);
+                    break;
+                }
+            }
+        }
         Ok(())
     }
 
@@ -99,8 +124,8 @@ pub fn run(
         sink.item(number);
         match block.u32()? {
             0 => {
-                let (slot, image) = (slot(block)?, *images.get(block.index()?).ok_or(Malformed)?);
-                store.write(slot, image, block.index()?)?;
+                let slot = slot(block)?;
+                store.bytes(slot).fill(0xff);
             }
             1 => {
                 let (slot, offset) = (slot(block)?, block.index()?);
@@ -109,22 +134,26 @@ pub fn run(
             }
             2 => {
                 let image = *images.get(block.index()?).ok_or(Malformed)?;
-                let (now, count) = (block.instant()?, block.index()?);
-                let admitted = store.slots().admit(image, now);
-                sink.text("admitted", &admitted);
-                if let Ok(slot) = admitted {
-                    store.write(slot, image, count)?;
+                let (now, count) = (block.instant()?, block.u32()?);
+                match store.slots().admit(image, now) {
+                    Ok(mut upload) => {
+                        sink.text("admitted", &upload.slot());
+                        store.carry_out(count, |slots| upload.next(slots), sink)?;
+                    }
+                    Err(refusal) => sink.text("not admitted", &refusal),
                 }
             }
             3 => {
                 let order = RollbackOrder::from_le_bytes(&block.field()?);
-                let now = block.instant()?;
+                let (now, count) = (block.instant()?, block.u32()?);
                 sink.text("order", &order);
                 if let Ok(order) = order {
-                    let left = store.slots().roll_back(&order, now);
-                    sink.text("rolled back", &left);
-                    if let Ok(slot) = left {
-                        sink.word("revoked", revoke(store.bytes(slot)).into());
+                    match store.slots().roll_back(&order, now) {
+                        Ok(mut revocation) => {
+                            sink.text("rolled back", &revocation.slot());
+                            store.carry_out(count, |slots| revocation.next(slots), sink)?;
+                        }
+                        Err(refusal) => sink.text("not rolled back", &refusal),
                     }
                 }
             }
@@ -145,7 +174,7 @@ fn correlate(
     sink: &mut impl Sink,
 ) -> Result<(), Malformed> {
     let record = ClockCorrelation::from_le_bytes(&block.field()?)
-        .and_then(|record| record.replacing(active.as_ref()));
+        .and_then(|record| record.replacing(active.as_ref(), SPACECRAFT));
     sink.text("clock correlation", &record);
     if let Ok(record) = record {
         *active = Some(record);

@@ -27,19 +27,17 @@
 //! ```
 
 mod column;
+mod layout;
 mod parquet;
 
 pub use column::{Cell, Column, Field};
+pub use layout::{Format, Layout, RowError};
 
 use crate::error::WriteError;
 use planner::provenance::Provenance;
 use serde::ser::{SerializeMap, SerializeSeq};
 use serde::{Serialize, Serializer};
-use std::error::Error;
 use std::io::Write;
-
-/// Why a row could not be made, as whoever makes it says.
-pub type RowError = Box<dyn Error + Send + Sync>;
 
 /// Writes rows as they come; returns how many there were.
 ///
@@ -55,28 +53,6 @@ pub fn write<R, E: Into<RowError>>(
         Format::Jsonl => json_lines(out, rows, layout.columns, Some(layout.provenance)),
         Format::Parquet => parquet::write(out, rows, layout),
     }
-}
-
-/// The form of rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// Comma-separated values.
-    Csv,
-    /// One JSON object per line.
-    Jsonl,
-    /// Apache Parquet.
-    Parquet,
-}
-
-/// How rows are written.
-#[derive(Debug)]
-pub struct Layout<'l, R> {
-    /// CSV, JSON lines or Parquet.
-    pub format: Format,
-    /// Where the rows come from.
-    pub provenance: &'l Provenance,
-    /// What they hold.
-    pub columns: &'l [Column<R>],
 }
 
 fn csv_rows<R, E: Into<RowError>>(

@@ -9,8 +9,8 @@
 //!
 //! Limits: leap seconds are written as the second that follows. Timestamps end in 2262.
 
-use super::column::{Cell, Field};
-use super::{Column, Layout, RowError};
+use super::column::{Cell, Column, Field};
+use super::layout::{Layout, RowError};
 use crate::error::WriteError;
 use ephem::time::{format_tdb, format_utc, tdb_ns, utc_day, utc_midnight};
 use onboard_core::time::Instant;

@@ -54,6 +54,7 @@ impl Words<'_> {
             | Because::BeforeMission
             | Because::AfterMission
             | Because::Avoided
+            | Because::Skipped(_)
             | Because::Forbidden
             | Because::Thermal
             | Because::Memory

@@ -19,7 +19,7 @@ mod plan;
 pub use figures::FigureArgs;
 pub use instants::InstantArgs;
 pub use looking::{MissionsArgs, PointingArgs, TransitsArgs, VisitsArgs};
-pub use onboard::{ClockArgs, TableVerb, VectorsArgs};
+pub use onboard::{ClockArgs, SequenceArgs, TableVerb, VectorsArgs};
 pub use plan::{AttitudeSpan, PlanArgs, ProductArgs, ReportArgs, RevisionArgs};
 pub use resonance::{ActuatorArgs, ResonanceArgs};
 pub use sight::SightArgs;

@@ -42,9 +42,9 @@ pub enum TableVerb {
         /// These bodies instead of the mission's targets: `mercury,venus,moon,earth,tau_a`
         #[arg(long, value_name = "NAME", value_delimiter = ',')]
         target: Vec<String>,
-        /// The uplink's sequence number, growing with every uplink
-        #[arg(long, value_name = "N", default_value_t = 1)]
-        sequence: u32,
+        /// Its number among the uplinks.
+        #[command(flatten)]
+        sequence: SequenceArgs,
     },
     /// Say what a table holds
     Inspect {
@@ -78,6 +78,27 @@ pub enum TableVerb {
         #[arg(long, value_name = "TIME")]
         until: String,
     },
+    /// Write the order to take a table of another spacecraft, to --out (default change.tbl)
+    Change {
+        /// The active table, to be left
+        active: PathBuf,
+        /// The other spacecraft's table, to be uploaded with the order
+        new: PathBuf,
+        /// Last time at which the order may be carried out: 2032-05-01T00:00:00Z
+        #[arg(long, value_name = "TIME")]
+        until: String,
+    },
+}
+
+/// The number of what is sent up.
+#[derive(Debug, Clone, Args)]
+pub struct SequenceArgs {
+    /// Its sequence number, above every earlier one by at most 1000; without it the one after --after
+    #[arg(long, value_name = "N")]
+    pub sequence: Option<u32>,
+    /// The newest sequence number on board, in use or rolled back; 0 where there is none
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub after: u32,
 }
 
 /// `table clock`.
@@ -101,7 +122,7 @@ pub struct ClockArgs {
     /// Standard uncertainty of the reference in ns
     #[arg(long, value_name = "NS", default_value_t = 0)]
     pub uncertainty_ns: u32,
-    /// The record's sequence number, growing with every record
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub sequence: u32,
+    /// Its number among the records.
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
 }

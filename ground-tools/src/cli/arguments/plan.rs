@@ -1,5 +1,6 @@
 //! The options of `plan` and `report`.
 
+use super::onboard::SequenceArgs;
 use crate::cli::quantities::arcseconds;
 use clap::{Args, ValueEnum};
 use formats::products;
@@ -14,9 +15,9 @@ pub struct PlanArgs {
     /// Exit 1 where a check of the plan fails
     #[arg(long)]
     pub strict: bool,
-    /// The uplink table's sequence number, growing with every uplink
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub sequence: u32,
+    /// The uplink table's number among the uplinks.
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     /// What a person asks of the schedule.
     #[command(flatten)]
     pub revision: RevisionArgs,

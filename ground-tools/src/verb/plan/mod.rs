@@ -16,10 +16,12 @@ use crate::output::{fill_folder, whole};
 use crate::report;
 use contradiction::plan_failure;
 use folder::{is_ours, remove_stale};
+use formats::flown::{FlightError, flown};
 use formats::products::Products;
 use formats::resonance::sentence;
+use formats::sequence::number_after_plan;
 use formats::timeline::timeline;
-use formats::uplink::{Contents, records, slow_checks};
+use formats::uplink::slow_checks;
 use planner::plan::plan;
 use planner::resonance::check::Resonances;
 use planner::schedule::{Stopped, check};
@@ -39,6 +41,9 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let ours = is_ours(&folder, arguments.force)?;
     let world = world(shared)?;
     let wishes = Wishes::read(&arguments.revision, &world)?;
+    let (asked, after) = (arguments.sequence.sequence, arguments.sequence.after);
+    let sequence = number_after_plan(asked, after, arguments.revision.against.as_deref())
+        .map_err(Failure::Input)?;
     let asked = &arguments.products;
     let stamp = stamp(asked.stamp.as_deref(), world.start)?;
     warn(shared, &slow_checks(&world));
@@ -46,26 +51,24 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let search_limit = SearchLimit::new(wishes.time_limit);
     let plan = plan(&world, &wishes.revision(), &search_limit)
         .map_err(|error| plan_failure(&world, error))?;
+    let flight = flown(&world, plan, sequence, &search_limit);
+    let (plan, uplink) = flight.map_err(|error| match error {
+        FlightError::Plan(error) => plan_failure(&world, *error),
+        FlightError::TooLarge(error) => error.into(),
+        FlightError::Fault(fault) => Failure::internal(fault),
+    })?;
     let (tables, offers) = (&plan.offered.tables, &plan.offered.offers);
     let opportunities = &offers.opportunities;
-    let table = tables.parse()?;
     let mut timeline = timeline(&world, &plan, resonance.as_ref())?;
     if plan.schedule.stopped == Stopped::Interrupted {
         timeline.stopped = search_limit.told();
     }
     let difference = wishes.difference(&mut timeline);
-    let records = records(&world, &plan)?;
-    let contents = Contents {
-        world: &world,
-        ephemeris: &tables.fitted.bytes,
-        sessions: Some(&records),
-        sequence: arguments.sequence,
-    };
     let violation =
         check(&plan.offered.problem, &plan.schedule.chosen).err().map(|it| it.to_string());
     let page = report::page(&report::Source {
         world: &world,
-        table,
+        table: tables.parse()?,
         offers,
         timeline: &timeline,
         violation: violation.as_deref(),
@@ -73,14 +76,14 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     })?;
     let products = Products {
         world: &world,
-        sun: world.sun(table)?,
+        sun: world.sun(tables.parse()?)?,
         timeline: &timeline,
         stamp,
         error_rad: (asked.aem_error_arcsec / 3600.0).to_radians(),
         whole: asked.aem_span == AttitudeSpan::All,
         spacecraft: asked.naif_id,
     };
-    let (json, csv, uplink) = (timeline.to_json()?, timeline.to_csv()?, contents.to_bytes()?);
+    let (json, csv) = (timeline.to_json()?, timeline.to_csv()?);
     let mut files = vec![
         (TIMELINE, whole(&json)),
         ("timeline.csv", whole(&csv)),

@@ -1,13 +1,14 @@
 //! `gyrfalcon table build`: a container of fitted directions, without a plan.
 
-use crate::cli::SharedArgs;
 use crate::cli::quantities::angle_rad;
+use crate::cli::{SequenceArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
 use crate::verb::asked::world;
 use crate::verb::told::{print_json, tell, warn};
 use ephem::fit::{FitOptions, MILLIARCSECOND_RAD};
 use ephem::source::Source;
+use formats::sequence::number;
 use formats::uplink::{Contents, slow_checks};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -18,8 +19,9 @@ pub(super) fn run(
     shared: &SharedArgs,
     error: &str,
     bodies: &[String],
-    sequence: u32,
+    sequence: &SequenceArgs,
 ) -> Result<(), Failure> {
+    let sequence = number(sequence.sequence, sequence.after).map_err(Failure::Input)?;
     let mut world = world(shared)?;
     warn(shared, &slow_checks(&world));
     if !bodies.is_empty() {

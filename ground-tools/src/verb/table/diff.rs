@@ -10,9 +10,9 @@ use crate::cli::SharedArgs;
 use crate::failure::Failure;
 use crate::verb::told::{print_json, tell};
 use ephem::fit::MILLIARCSECOND_RAD;
-use formats::uplink::{refusal_told, span_told};
+use formats::uplink::{refusal_told, slot_image, span_told, told};
 use onboard_core::time::{Duration, Instant};
-use onboard_core::uplink::{SessionRecord, Slots, Tables};
+use onboard_core::uplink::{SessionRecord, Slots, Tables, slot_bytes};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -54,8 +54,9 @@ pub(super) fn run(shared: &SharedArgs, old_file: &Path, new_file: &Path) -> Resu
     let bodies = bodies(&old, &new, common);
     let sessions = sessions(&old, &new);
     let now = common.map_or(new.header().valid_from, |(from, _)| from);
-    let room = vec![0_u8; new_bytes.len()];
-    let refusal = Slots { a: &old_bytes, b: &room }.admit(&new_bytes, now).err().map(refusal_told);
+    let slot = slot_image(&old_bytes).map_err(|error| Failure::Input(told(error)))?;
+    let room = vec![0xff_u8; slot_bytes(new_bytes.len()).unwrap_or(0)];
+    let refusal = Slots { a: &slot, b: &room }.admit(&new_bytes, now).err().map(refusal_told);
     let identical = old_bytes == new_bytes;
     if shared.json {
         let fields: Vec<Value> = changes
@@ -140,6 +141,7 @@ fn changes(old: &Tables<'_>, new: &Tables<'_>) -> Vec<Change> {
             ("sequence", header.sequence.to_string()),
             ("validity", span_told(header.valid_from, header.valid_until)),
             ("mission SHA-256", hex(&header.mission_digest)),
+            ("spacecraft", format!("{:08x}", header.spacecraft)),
             ("start_tai_ns", it.start.tai_ns().to_string()),
             ("alpha", format!("{} deg", it.alpha_rad.to_degrees())),
             ("beta", format!("{} deg", it.beta_rad.to_degrees())),

@@ -1,4 +1,4 @@
-//! `gyrfalcon table inspect`: what a container, a clock correlation or a rollback order holds.
+//! `gyrfalcon table inspect`: what a container, a clock correlation or an order holds.
 
 use super::container::{load, read};
 use super::words::{avoidance_told, hex, name};
@@ -9,7 +9,10 @@ use ephem::time::format_tdb;
 use formats::uplink::span_told;
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
 use onboard_core::ephemeris::Span;
-use onboard_core::uplink::{ROLLBACK_BYTES, RollbackError, RollbackOrder};
+use onboard_core::uplink::{
+    MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder, ROLLBACK_BYTES, RollbackError,
+    RollbackOrder,
+};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -21,6 +24,7 @@ pub(super) fn run(shared: &SharedArgs, file: &Path) -> Result<(), Failure> {
     match bytes.get(..8) {
         Some(b"GYRCLOCK") => return clock(shared, file, &bytes),
         Some(b"GYRBACK\0") => return rollback(shared, file, &bytes),
+        Some(b"GYRCHNGE") => return change(shared, file, &bytes),
         _ => {}
     }
     let tables = load(file, &bytes)?;
@@ -49,6 +53,7 @@ pub(super) fn run(shared: &SharedArgs, file: &Path) -> Result<(), Failure> {
             "valid_until_tai_ns": header.valid_until.tai_ns(),
             "set_digest": format!("{:016x}", tables.set_digest()),
             "mission_sha256_prefix": digest,
+            "spacecraft": format!("{:08x}", header.spacecraft),
             "spans": spans,
             "telescopes": tables.mission().telescopes().count(),
             "detectors": tables.mission().detectors().count(),
@@ -114,6 +119,7 @@ fn clock(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure> 
     if shared.json {
         return print_json(&json!({
             "sequence": record.sequence,
+            "spacecraft": format!("{:08x}", record.spacecraft),
             "ticks": record.ticks,
             "at_tai_ns": record.at.tai_ns(),
             "tick_ns": tick_ns,
@@ -161,6 +167,35 @@ fn rollback(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failur
             order.from,
             order.to,
             order.to_digest,
+            format_tdb(order.until)
+        ),
+    )
+}
+
+fn change(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let order: &[u8; MISSION_CHANGE_BYTES] = sized(file, bytes, "an order to change the mission")?;
+    let order = MissionChangeOrder::from_le_bytes(order).map_err(|error| match error {
+        MissionChangeError::NoChange => refused(file, "it names the same spacecraft twice"),
+        _ => refused(file, DAMAGED),
+    })?;
+    let (from, to) = (format!("{:08x}", order.from), format!("{:08x}", order.to));
+    if shared.json {
+        return print_json(&json!({
+            "from_spacecraft": from,
+            "to_spacecraft": to,
+            "sequence": order.sequence,
+            "set_digest": format!("{:016x}", order.set_digest),
+            "until_tai_ns": order.until.tai_ns(),
+        }));
+    }
+    tell(
+        shared,
+        &format!(
+            "{}: change from spacecraft {from} to {to} with sequence {} (set digest {:016x}), \
+             until {} TDB\n",
+            file.display(),
+            order.sequence,
+            order.set_digest,
             format_tdb(order.until)
         ),
     )

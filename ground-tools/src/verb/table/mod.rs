@@ -1,5 +1,5 @@
 //! `gyrfalcon table`: build, inspect, diff and verify what goes on board; clock correlations and
-//! rollback orders.
+//! orders.
 
 pub(super) mod container;
 mod words;
@@ -14,9 +14,7 @@ use crate::failure::Failure;
 
 pub(super) fn run(shared: &SharedArgs, verb: &TableVerb) -> Result<(), Failure> {
     match verb {
-        TableVerb::Build { error, target, sequence } => {
-            build::run(shared, error, target, *sequence)
-        }
+        TableVerb::Build { error, target, sequence } => build::run(shared, error, target, sequence),
         TableVerb::Inspect { file } => inspect::run(shared, file),
         TableVerb::Diff { old, new } => diff::run(shared, old, new),
         TableVerb::Verify { file, error } => check::run(shared, file, error),
@@ -24,5 +22,6 @@ pub(super) fn run(shared: &SharedArgs, verb: &TableVerb) -> Result<(), Failure> 
         TableVerb::Rollback { active, older, until } => {
             records::rollback(shared, active, older, until)
         }
+        TableVerb::Change { active, new, until } => records::change(shared, active, new, until),
     }
 }

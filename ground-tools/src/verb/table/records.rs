@@ -1,11 +1,14 @@
-//! `gyrfalcon table clock` and `table rollback`: the small records beside the container.
+//! `gyrfalcon table clock`, `table rollback` and `table change`: the small records beside the container.
 
 use super::container::{load, read};
 use crate::cli::quantities::instant;
 use crate::cli::{ClockArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
+use crate::verb::asked::mission;
 use crate::verb::told::tell;
+use formats::sequence::number;
+use formats::uplink::{sequence_told, spacecraft};
 use mission::number::Number;
 use mission::quantity;
 use mission::rounding;
@@ -14,17 +17,20 @@ use num_rational::BigRational;
 use num_traits::ToPrimitive;
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::time::Duration;
-use onboard_core::uplink::RollbackOrder;
+use onboard_core::uplink::{MissionChangeOrder, RollbackOrder, check_sequence};
 use std::path::Path;
 
 const CLOCK_FILE: &str = "clock.tbl";
 const ROLLBACK_FILE: &str = "rollback.tbl";
+const CHANGE_FILE: &str = "change.tbl";
 
 /// Writes a clock correlation.
 pub(super) fn clock(shared: &SharedArgs, arguments: &ClockArgs) -> Result<(), Failure> {
     let at = instant("--at", &arguments.at)?;
     let record = ClockCorrelation {
-        sequence: arguments.sequence,
+        sequence: number(arguments.sequence.sequence, arguments.sequence.after)
+            .map_err(Failure::Input)?,
+        spacecraft: spacecraft(&mission(shared)?),
         uncertainty_ns: arguments.uncertainty_ns,
         ticks: arguments.ticks,
         at,
@@ -73,6 +79,38 @@ pub(super) fn rollback(
         until,
     };
     write(shared, ROLLBACK_FILE, &order.to_le_bytes())
+}
+
+/// Writes the order to take another spacecraft's container.
+pub(super) fn change(
+    shared: &SharedArgs,
+    active: &Path,
+    new: &Path,
+    until: &str,
+) -> Result<(), Failure> {
+    let (active_bytes, new_bytes) = (read(active)?, read(new)?);
+    let from = *load(active, &active_bytes)?.header();
+    let taken = load(new, &new_bytes)?;
+    let to = *taken.header();
+    let until = instant("--until", until)?;
+    if to.spacecraft == from.spacecraft {
+        return Err(Failure::Input(format!(
+            "{} and {} are of the same spacecraft ({:08x}): no order is needed",
+            active.display(),
+            new.display(),
+            to.spacecraft
+        )));
+    }
+    check_sequence(to.sequence, Some(from.sequence))
+        .map_err(|error| Failure::Input(format!("{}: {}", new.display(), sequence_told(error))))?;
+    let order = MissionChangeOrder {
+        from: from.spacecraft,
+        to: to.spacecraft,
+        sequence: to.sequence,
+        set_digest: taken.set_digest(),
+        until,
+    };
+    write(shared, CHANGE_FILE, &order.to_le_bytes())
 }
 
 fn write(shared: &SharedArgs, default: &str, bytes: &[u8]) -> Result<(), Failure> {

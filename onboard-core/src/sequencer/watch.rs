@@ -1,0 +1,111 @@
+//! Avoidance while a session runs: looked at, not predicted.
+//!
+//! Each tick looks at a bounded number of pairs of limit and field, in turn, at the instant of the
+//! tick, from the strategy as it is known then. Setup and cooldown count.
+//!
+//! Limits: with more pairs than looks, a violation is seen when its pair's turn comes: after
+//! `pairs / MAX_LOOKS_PER_TICK` ticks at the latest. A violation shallower than
+//! [`SEPARATION_TOLERANCE_RAD`] is none, as in the check.
+
+use super::reason::AbortReason;
+use crate::attitude::attitude;
+use crate::direction::Direction;
+use crate::ephemeris::EphemerisError;
+use crate::frame::{Boresight, Ecliptic};
+use crate::rotation::Rotation;
+use crate::scan::ScanStrategy;
+use crate::time::Instant;
+use crate::transit::SEPARATION_TOLERANCE_RAD;
+use crate::uplink::{AvoidanceRecord, Tables};
+
+/// Most pairs of limit and field looked at in one tick, each an evaluation.
+pub const MAX_LOOKS_PER_TICK: u32 = 4;
+
+/// Which pair is next.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Watch {
+    limit: u16,
+    field: u16,
+}
+
+impl Watch {
+    /// From the first pair on.
+    pub(super) const FIRST: Self = Self { limit: 0, field: 0 };
+
+    /// The looks made, and whether the session must be given up.
+    #[inline(never)]
+    pub(super) fn look(
+        &mut self,
+        strategy: &ScanStrategy,
+        tables: &Tables<'_>,
+        telescope: u16,
+        now: Instant,
+    ) -> (u32, Option<AbortReason>) {
+        let mut looks = 0_u32;
+        if tables.mission().avoidance_limit(0).is_none() {
+            return (looks, None);
+        }
+        let attitude = match attitude_now(strategy, tables, now) {
+            Ok(attitude) => attitude,
+            Err(error) => return (looks, Some(AbortReason::Ephemeris(error))),
+        };
+        // Where a limit's fields end, no look is made: at most twice as many rounds.
+        for _ in 0..MAX_LOOKS_PER_TICK.saturating_mul(2) {
+            if looks >= MAX_LOOKS_PER_TICK {
+                break;
+            }
+            let Some(record) = tables.mission().avoidance_limit(self.limit) else {
+                *self = Self::FIRST;
+                continue;
+            };
+            match too_close(&record, (telescope, self.field), tables, &attitude, now) {
+                None => *self = Self { limit: self.limit.wrapping_add(1), field: 0 },
+                Some(seen) => {
+                    looks = looks.saturating_add(1);
+                    self.field = self.field.saturating_add(1);
+                    match seen {
+                        Ok(false) => {}
+                        Ok(true) => return (looks, Some(AbortReason::Avoidance(record.body))),
+                        Err(error) => return (looks, Some(AbortReason::Ephemeris(error))),
+                    }
+                }
+            }
+        }
+        (looks, None)
+    }
+}
+
+#[inline(never)]
+fn attitude_now(
+    strategy: &ScanStrategy,
+    tables: &Tables<'_>,
+    now: Instant,
+) -> Result<Rotation<Ecliptic, Boresight>, EphemerisError> {
+    Ok(attitude(strategy, &tables.sun()?, now)?.inverse())
+}
+
+/// Whether the limit's body is too close to the field of this telescope and index; none where there
+/// is no such field.
+#[inline(never)]
+fn too_close(
+    record: &AvoidanceRecord,
+    (telescope, index): (u16, u16),
+    tables: &Tables<'_>,
+    attitude: &Rotation<Ecliptic, Boresight>,
+    now: Instant,
+) -> Option<Result<bool, EphemerisError>> {
+    let field = tables.mission().calibration_field(telescope, index)?;
+    let seen = direction(record.body, tables, attitude, now);
+    let limit = record.angle_rad - SEPARATION_TOLERANCE_RAD;
+    Some(seen.map(|direction| field.angle_to_rad(direction) < limit))
+}
+
+#[inline(never)]
+fn direction(
+    body: i32,
+    tables: &Tables<'_>,
+    attitude: &Rotation<Ecliptic, Boresight>,
+    now: Instant,
+) -> Result<Direction<Boresight>, EphemerisError> {
+    Ok(attitude.apply(tables.ephemeris().body(body)?.state(now)?.direction))
+}
