@@ -1,6 +1,6 @@
 //! Where is each body, from a compact table.
 //!
-//! A table holds, in [`Ecliptic`], the unit geometric Sun-to-spacecraft vector ([`SUN`]) and the
+//! A table holds, in [`Ecliptic`](crate::frame::Ecliptic), the unit geometric Sun-to-spacecraft vector ([`SUN`]) and the
 //! unit apparent directions of the targets, as Chebyshev series over granules of equal length. The
 //! ground fits it (crate `ephem`); it is read in place from borrowed bytes.
 //!

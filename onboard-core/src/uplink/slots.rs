@@ -23,7 +23,7 @@
 //! active. So an erase that is cut short, whatever bits it leaves, neither brings a revoked container
 //! back nor lets its number be uploaded again (`power_cuts.rs` cuts everywhere).
 //!
-//! Limits: a container can be returned to [`FLOOR_WORDS`] times, cuts in the middle of a floor word
+//! Limits: a container can be returned to [`FLOOR_WORDS`](super::slot_layout::FLOOR_WORDS) times, cuts in the middle of a floor word
 //! counted; after that the way back is an upload of the older contents under a new number. An upset
 //! that the memory does not correct costs its slot; the other one is then used.
 
