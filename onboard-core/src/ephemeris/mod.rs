@@ -1,7 +1,7 @@
 //! Where is each body, from a compact table.
 //!
-//! A table holds, in [`Ecliptic`](crate::frame::Ecliptic), the unit geometric Sun-to-spacecraft vector ([`SUN`]) and the
-//! unit apparent directions of the targets, as Chebyshev series over granules of equal length. The
+//! A table holds, in [`Ecliptic`](crate::frame::Ecliptic), the unit geometric Sun-to-spacecraft vector
+//! ([`SUN`]) and the unit apparent directions of the targets, as Chebyshev series over granules of equal length. The
 //! ground fits it (crate `ephem`); it is read in place from borrowed bytes.
 //!
 //! Layout, little-endian, no alignment:

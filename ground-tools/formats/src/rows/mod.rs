@@ -4,7 +4,7 @@
 //!
 //! CSV: provenance as comments, a header, shortest round-trip numbers, nothing for what is not known.
 //! JSON lines: an object per row, null for what is not known, the first row with the provenance too.
-//! Parquet: [`parquet`].
+//! Parquet: typed columns, times as TIMESTAMP, provenance as key-value metadata (`parquet.rs`).
 //!
 //! # Example
 //! The sessions of a day's plan as CSV: provenance, the columns' names, a row per session:
