@@ -222,6 +222,12 @@ pub fn seeds() -> Vec<Seed> {
 
 fn container_without_sections() -> Vec<u8> {
     let at = Instant::from_tai_ns(0);
-    let header = Header { sequence: 1, valid_from: at, valid_until: at, mission_digest: [0; 16], spacecraft: 1 };
+    let header = Header {
+        sequence: 1,
+        valid_from: at,
+        valid_until: at,
+        mission_digest: [0; 16],
+        spacecraft: 1,
+    };
     container(&header, &[])
 }

@@ -22,14 +22,17 @@ use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
 use onboard_core::detector::detector_at;
 use onboard_core::direction::{Direction, DirectionState, MotionBounds};
 use onboard_core::ephemeris::{
-    self, BODY_BYTES, BodyRecord, BodyTable, EphemerisError, EphemerisTable, HEADER_BYTES, SPAN_BYTES, Span,
+    self, BODY_BYTES, BodyRecord, BodyTable, EphemerisError, EphemerisTable, HEADER_BYTES,
+    SPAN_BYTES, Span,
 };
 use onboard_core::field_of_view::{FieldOfView, FieldOfViewError, FieldShape};
 use onboard_core::forecast::{Forecast, ForecastStep, NextVisit};
 use onboard_core::frame::{AntiSun, Boresight, Detector, Ecliptic, Icrf, Spin, Telescope};
 use onboard_core::hwp::hwp_phase;
 use onboard_core::phase::{Phase, Rotor, TurnRate};
+use onboard_core::record::RecordError;
 use onboard_core::rotation::{Rotation, RotationError};
+use onboard_core::saved_visits::visits_record_bytes;
 use onboard_core::scan::{ScanError, ScanParameters, ScanStrategy};
 use onboard_core::sequencer::{
     Event, EventKind, EventQueue, Lost, Question, ScanEstimate, Sequencer, SessionCheck, Settings,
@@ -41,8 +44,6 @@ use onboard_core::tracking::{
     Measurement, MeasurementRefusal, Residuals, ResumeError, ScanAngles, TRACKER_BYTES, Tracker,
     TrackerSettings, TrackerSettingsError, TrackerState,
 };
-use onboard_core::record::RecordError;
-use onboard_core::saved_visits::visits_record_bytes;
 use onboard_core::transit::{
     Channel, Confidence, SEARCH_BYTES, SearchOrigin, SearchState, Step, Transit, TransitFinder,
 };
@@ -51,13 +52,14 @@ use onboard_core::uplink::{
     Active, AvoidanceRecord, Container, Counts, DetectorRecord, FlashError, FlashOperation, Header,
     MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder, MissionError, MissionTable,
     NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Revocation, RollbackError, RollbackOrder,
-    RollbackRefusal, SESSION_BYTES, Scrub, ScrubStep, SectionKind, SequenceError, SessionRecord, SetDigest, Slot,
-    SlotState, Slots, SunRecord, TableError, Tables, TelescopeRecord, Upload, UploadRefusal,
-    UplinkError, check_sequence, checksum, committed_head, entry_to_le_bytes, slot_bytes,
+    RollbackRefusal, SESSION_BYTES, Scrub, ScrubStep, SectionKind, SequenceError, SessionRecord,
+    SetDigest, Slot, SlotState, Slots, SunRecord, TableError, Tables, TelescopeRecord, UplinkError,
+    Upload, UploadRefusal, check_sequence, checksum, committed_head, entry_to_le_bytes, slot_bytes,
 };
 
 use onboard_core::visits::{
-    Bins, BinsError, Divisions, Histogram, HistogramBin, Spacing, TargetVisits, VisitError, VisitLog,
+    Bins, BinsError, Divisions, Histogram, HistogramBin, Spacing, TargetVisits, VisitError,
+    VisitLog,
 };
 
 unsafe extern "C" {
