@@ -41,6 +41,9 @@ impl<F> Direction<F> {
     /// The direction along z.
     pub const Z: Self = Self { vector: Vector3::new(0.0, 0.0, 1.0), frame: PhantomData };
 
+    /// No direction: zeros, before one is known.
+    pub(crate) const NOWHERE: Self = Self::from_unit(Vector3::new(0.0, 0.0, 0.0));
+
     /// The direction of (x, y, z), normalised; `None` when the squared length is zero, so small that
     /// it has lost digits (below 1e-307), or not finite.
     #[must_use]

@@ -71,6 +71,7 @@
 
 mod convert;
 mod bytes;
+mod crc;
 mod trigonometry;
 
 pub mod time;

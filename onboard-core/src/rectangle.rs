@@ -28,6 +28,7 @@ pub(crate) struct Rectangle {
 
 impl Rectangle {
     /// From its centre and the axes of its sides' hemispheres: two along +-x, two along +-y.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn from_sides(centre: Vector3<f64>, sides: [Vector3<f64>; 4]) -> Self {
         let [up, down, right, left] = sides;
         // (+-cos h/2, 0, sin h/2) and (0, +-cos w/2, sin w/2).
@@ -45,6 +46,7 @@ impl Rectangle {
     /// The rectangle's point p with the largest `p . u`; none where `u` points inside it.
     ///
     /// `u` is any vector but zero.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn nearest(&self, u: &Vector3<f64>) -> Option<Vector3<f64>> {
         let (along_x, along_y, z) = (dot(&self.x, u), dot(&self.y, u), dot(&self.z, u));
         let (x, y) = (libm::fabs(along_x), libm::fabs(along_y));

@@ -200,9 +200,8 @@ impl<A, B> Rotation<A, B> {
         )
     }
 
-    #[inline(never)]
     pub(crate) fn rotate(self, vector: Vector3<f64>) -> Vector3<f64> {
-        self.quaternion * vector
+        rotated(&self.quaternion, &vector)
     }
 }
 
@@ -212,6 +211,12 @@ impl Rotation<Icrf, Ecliptic> {
     pub fn by_obliquity() -> Self {
         Self::about_x(-(OBLIQUITY_ARCSEC / 3600.0).to_radians())
     }
+}
+
+/// Apart from [`Rotation::rotate`], whose frames would make it several functions.
+#[inline(never)]
+fn rotated(quaternion: &UnitQuaternion<f64>, vector: &Vector3<f64>) -> Vector3<f64> {
+    quaternion * vector
 }
 
 /// Sine and cosine of half the angle whose sine and cosine are given, without cancellation.

@@ -110,8 +110,8 @@ impl ScanStrategy {
     /// No motion; not a legal strategy.
     pub(crate) const STILL: Self = Self {
         parameters: ScanParameters::STILL,
-        half_alpha: (0.0, 1.0),
-        half_beta: (0.0, 1.0),
+        half_alpha: (0.0, 0.0),
+        half_beta: (0.0, 0.0),
         rates_rad_s: (0.0, 0.0),
     };
 

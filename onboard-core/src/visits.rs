@@ -90,6 +90,7 @@ impl Bins {
 
     /// Lower edge in seconds of bin `index` of `count`; the upper end for `index == count`.
     #[must_use]
+    #[inline(never)]
     pub fn edge_s(&self, index: usize, count: usize) -> f64 {
         if index == 0 {
             return self.low_s;

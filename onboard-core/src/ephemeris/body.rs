@@ -158,6 +158,7 @@ fn split(offset: u64, length_ns: u64, length: f64) -> Option<(u64, u64)> {
 }
 
 /// `sum_k c_k T_k(x)`, with the bits of [`chebyshev`].
+#[cfg_attr(target_os = "none", inline(never))]
 fn chebyshev_value(series: &[[u8; ORDER_BYTES]], x: f64) -> Vector3<f64> {
     let Some((constant, higher)) = series.split_first() else {
         return Vector3::new(0.0, 0.0, 0.0);

@@ -75,6 +75,13 @@ impl Edge {
     fn new(at: Instant, clipped: bool) -> Self {
         Self { at, slopes_s: clipped.then_some([0.0; 3]) }
     }
+
+    /// Its standard deviation in seconds; infinite where that is not a number: not known at all.
+    #[inline(never)]
+    fn sigma_s(&self, covariance: &ScanCovariance) -> f64 {
+        let variance = covariance.along(self.slopes_s.unwrap_or([0.0; 3]));
+        if variance.is_nan() { f64::INFINITY } else { libm::sqrt(variance) }
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -109,16 +116,21 @@ impl Part {
 
 impl SessionCheck {
     /// A check of nothing yet.
-    pub const WAITING: Self = Self {
-        strategy: ScanStrategy::STILL,
-        stage: Stage::Waiting,
-        search: Search::NOTHING,
-        seen: Seen::NOTHING,
-        first_entry: None,
-        last_exit: None,
-        passes: 0,
-        pieces: 0,
-    };
+    pub const WAITING: Self = Self::waiting();
+
+    /// The same, written by code: as a constant it would stand among the read-only data once more.
+    pub(super) const fn waiting() -> Self {
+        Self {
+            strategy: ScanStrategy::STILL,
+            stage: Stage::Waiting,
+            search: Search::nothing(),
+            seen: Seen::NOTHING,
+            first_entry: None,
+            last_exit: None,
+            passes: 0,
+            pieces: 0,
+        }
+    }
 
     /// Forgets all, for another session or another strategy.
     pub const fn reset(&mut self) {
@@ -184,10 +196,7 @@ impl SessionCheck {
     pub fn uncertainty(&self, covariance_at: impl Fn(Instant) -> ScanCovariance) -> Duration {
         let mut largest = 0.0;
         for edge in [&self.first_entry, &self.last_exit].into_iter().flatten() {
-            let variance = covariance_at(edge.at).along(edge.slopes_s.unwrap_or([0.0; 3]));
-            // Not a number stands for: not known at all.
-            let sigma = if variance.is_nan() { f64::INFINITY } else { libm::sqrt(variance) };
-            largest = libm::fmax(largest, sigma);
+            largest = libm::fmax(largest, edge.sigma_s(&covariance_at(edge.at)));
         }
         Duration::from_seconds(TWO_SIDED_95 * largest)
     }
@@ -290,6 +299,7 @@ impl SessionCheck {
     }
 
     /// Takes a pass in; whether an edge of it is now the first or the last and not looked at yet.
+    #[inline(never)]
     fn note(&mut self, transit: &Transit) -> bool {
         self.passes = self.passes.saturating_add(1);
         if self.first_entry.is_none_or(|edge| transit.entry < edge.at) {

@@ -138,7 +138,7 @@ impl Sequencer {
             state: State::Safe(SafeReason::Boot),
             running: None,
             next: 0,
-            check: SessionCheck::WAITING,
+            check: SessionCheck::waiting(),
             of_mission: true,
             watch: Watch::FIRST,
             tables: None,

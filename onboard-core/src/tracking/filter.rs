@@ -79,6 +79,7 @@ impl ErrorCovariance {
     }
 
     /// Finite, symmetric, no negative variance, no correlation beyond one.
+    #[inline(never)]
     pub(super) fn is_legal(&self) -> bool {
         let variance = |i: usize| self.cell(i, i);
         (0..5).all(|i| {
@@ -135,6 +136,7 @@ impl ErrorCovariance {
     /// Takes in `value = h . errors + noise`: improves the estimated errors and the covariance.
     ///
     /// Answers the squared surprise over its variance, a chi^2 of one degree of freedom.
+    #[inline(never)]
     pub(super) fn observe(
         &mut self,
         estimate: &mut Errors,
@@ -156,17 +158,20 @@ impl ErrorCovariance {
         surprise * surprise / spread
     }
 
+    #[inline(never)]
     fn times(&self, h: &Errors) -> Errors {
         let [a, alpha, b, a_rate, b_rate] = &self.rows;
         [dot(a, h), dot(alpha, h), dot(b, h), dot(a_rate, h), dot(b_rate, h)]
     }
 
+    #[inline(never)]
     fn add_outer(&mut self, factor: f64, column: &Errors, line: &Errors) {
         for (row, value) in self.rows.iter_mut().zip(column) {
             add(row, factor * value, line);
         }
     }
 
+    #[inline(never)]
     fn symmetrise(&mut self) {
         self.rows =
             array::from_fn(|i| array::from_fn(|j| 0.5 * (self.cell(i, j) + self.cell(j, i))));
@@ -182,10 +187,12 @@ fn upper_cells() -> impl Iterator<Item = (usize, usize)> {
     (0..5).flat_map(|i| (i..5).map(move |j| (i, j)))
 }
 
+#[inline(never)]
 fn dot(a: &Errors, b: &Errors) -> f64 {
     a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
 }
 
+#[inline(never)]
 fn add(to: &mut Errors, factor: f64, other: &Errors) {
     for (to, other) in to.iter_mut().zip(other) {
         *to += factor * other;

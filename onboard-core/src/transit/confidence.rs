@@ -66,6 +66,7 @@ struct Axes {
 }
 
 impl Axes {
+    #[cfg_attr(target_os = "none", inline(never))]
     fn new(motion: &Motion, at: Instant) -> Self {
         let (sin, cos) = motion.scan.phases(at).1.sin_cos();
         // R_z(-b) applied to (-sin alpha, 0, cos alpha) and to y.
@@ -77,6 +78,7 @@ impl Axes {
     }
 
     /// `g . dw/dx` for the three angles, for a gradient g in w: `-g . (k x w) = k . (g x w)`.
+    #[cfg_attr(target_os = "none", inline(never))]
     fn gradient(&self, g: &Vector3<f64>, w: &Vector3<f64>) -> [f64; 3] {
         let turned = g.cross(w);
         [dot(&self.precession, &turned), dot(&self.alpha, &turned), turned.z]

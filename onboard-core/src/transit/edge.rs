@@ -83,6 +83,7 @@ impl Enlarged {
     }
 
     /// f and its derivative.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn depth(&self, sight: &Sight) -> (f64, f64) {
         let (closeness, rate) = self.closeness(sight);
         (self.versine + closeness, rate)
@@ -94,6 +95,7 @@ impl Enlarged {
     /// points, [`Self::ahead`], is convex in h. The point that is nearest now bounds its root from
     /// above; between a point below and one above the root, a chord's root lies below it and a
     /// tangent's above.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn stays_outside(&self, sight: &Sight, curvature: f64, longest: f64) -> f64 {
         let (depth, rate) = self.depth(sight);
         if depth >= 0.0 {
@@ -118,6 +120,7 @@ impl Enlarged {
     }
 
     /// The bound on f after `seconds`, less the tolerance, and its slope.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn ahead(&self, sight: &Sight, curvature: f64, seconds: f64) -> (f64, f64) {
         let there = sight.direction + sight.rate * seconds;
         let moved = seconds * seconds * squared(&sight.rate);
@@ -149,6 +152,7 @@ pub(super) fn newton((depth, rate): (f64, f64), sense: f64) -> f64 {
 }
 
 /// Angle between two unit vectors.
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn separation(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     let across = a.cross(b);
     libm::atan2(libm::sqrt(squared(&across)), a.x * b.x + a.y * b.y + a.z * b.z)
@@ -174,6 +178,7 @@ pub(super) fn versine(radius: f64) -> f64 {
 }
 
 /// The separation tolerance expressed in f, with a floor for rounding.
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn tolerance(radius: f64) -> f64 {
     SEPARATION_TOLERANCE_RAD * libm::fabs(trigonometry::sin(radius)) + 2e-15 * versine(radius)
 }

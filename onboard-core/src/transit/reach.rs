@@ -202,6 +202,7 @@ impl Reach {
     }
 
     /// The gradient of f in w at the edge that is crossed, entered (`sense` 1) or left (-1).
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn crossed(&self, sight: &Sight, sense: f64) -> Vector3<f64> {
         if let Edge::Enlarged(enlarged) = &self.edge {
             return enlarged.rectangle.nearest(&sight.direction).unwrap_or(self.centre);
@@ -220,6 +221,7 @@ impl Reach {
     }
 
     /// The point that separations count from.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn nearest(&self, sight: &Sight) -> Vector3<f64> {
         match &self.edge {
             Edge::Enlarged(enlarged) => {
@@ -236,6 +238,7 @@ impl Reach {
     }
 
     /// Angle from a direction to the nearest point of the field, 0 inside.
+    #[cfg_attr(target_os = "none", inline(never))]
     fn angle_to(&self, direction: &Vector3<f64>) -> f64 {
         let (point, margin) = match &self.edge {
             Edge::Circle(_) => (Some(self.centre), self.margin_rad),

@@ -84,17 +84,19 @@ pub(crate) struct Search {
 
 impl Search {
     /// A search of nothing: it is over.
-    pub(crate) const NOTHING: Self = Self {
-        motion: Motion::NOTHING,
-        reach: Reach::NOTHING,
-        state: SearchState {
-            at: Instant::from_tai_ns(0),
-            end: Instant::from_tai_ns(0),
-            previous: None,
-            stage: Stage::Done,
-        },
-        evaluations: 0,
-    };
+    pub(crate) const fn nothing() -> Self {
+        Self {
+            motion: Motion::NOTHING,
+            reach: Reach::NOTHING,
+            state: SearchState {
+                at: Instant::from_tai_ns(0),
+                end: Instant::from_tai_ns(0),
+                previous: None,
+                stage: Stage::Done,
+            },
+            evaluations: 0,
+        }
+    }
 
     /// A search from `start` to `end`, both included.
     #[inline]
@@ -104,7 +106,7 @@ impl Search {
         field: &FieldOfView,
         ends: (Instant, Instant),
     ) -> Self {
-        let mut search = Self::NOTHING;
+        let mut search = Self::nothing();
         search.set(scan, lookup, field, ends);
         search
     }
@@ -131,6 +133,7 @@ impl Search {
     }
 
     /// Goes on from a saved state of the same search.
+    #[inline(never)]
     pub(super) const fn resume(&mut self, state: SearchState) {
         self.state = state;
     }
@@ -162,6 +165,7 @@ impl Search {
     }
 
     /// Takes the transit that waits.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn take(&mut self) -> Option<Transit> {
         let Stage::Found(transit) = self.state.stage else { return None };
         self.state.stage = if transit.exit_clipped { Stage::Done } else { Stage::Outside };

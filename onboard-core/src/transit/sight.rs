@@ -26,7 +26,7 @@ impl Motion {
     pub(super) const NOTHING: Self = Self {
         scan: ScanStrategy::STILL,
         sin_alpha: 0.0,
-        cos_alpha: 1.0,
+        cos_alpha: 0.0,
         precession: 0.0,
         spin: 0.0,
     };
@@ -58,12 +58,12 @@ pub(crate) struct Seen {
 }
 
 impl Seen {
-    /// Before the first evaluation.
+    /// Before the first evaluation: zeros, which take no place among the read-only data.
     pub(crate) const NOTHING: Self = Self {
-        anti_sun: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
-        target: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
-        sines: [(0.0, 1.0); 2],
-        joint: Instant::from_tai_ns(i64::MAX),
+        anti_sun: DirectionState { direction: Direction::NOWHERE, rate_per_s: [0.0; 3] },
+        target: DirectionState { direction: Direction::NOWHERE, rate_per_s: [0.0; 3] },
+        sines: [(0.0, 0.0); 2],
+        joint: Instant::from_tai_ns(0),
     };
 
     /// Of a target in the anti-Sun frame, with the sines and cosines of both phases.

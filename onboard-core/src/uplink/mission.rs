@@ -205,6 +205,7 @@ impl<'a> MissionTable<'a> {
 
     /// The scanning strategy, made from the bytes at each call: keep it.
     #[must_use]
+    #[inline(never)]
     pub fn strategy(&self) -> ScanStrategy {
         // The bytes are there and were checked; the still strategy stands for what cannot be.
         ScanStrategy::of_checked(self.parameters().unwrap_or(ScanParameters::STILL))
@@ -245,6 +246,7 @@ impl<'a> MissionTable<'a> {
 
     /// The telescope at `index` in the mission's order.
     #[must_use]
+    #[inline(never)]
     pub fn telescope(&self, index: u16) -> Option<TelescopeRecord> {
         read_telescope(self.telescopes.get(usize::from(index))?, index).ok()
     }
@@ -280,6 +282,7 @@ impl<'a> MissionTable<'a> {
 
     /// The avoidance limit at `index`.
     #[must_use]
+    #[inline(never)]
     pub fn avoidance_limit(&self, index: u16) -> Option<AvoidanceRecord> {
         read_avoidance(self.avoidance.get(usize::from(index))?)
     }

@@ -64,8 +64,8 @@ pub use slots::{Active, NoTables, RollbackRefusal, SlotState, UploadRefusal, com
 pub use tables::{TableError, Tables};
 
 use crate::bytes::{field, i64_at, put, span, u16_at, u32_at, u64_at};
+use crate::crc::{CRC_32, CRC_64, crc_32, crc_64};
 use crate::time::Instant;
-use crc::{CRC_32_ISO_HDLC, CRC_64_XZ, Crc, Digest, NoTable};
 
 /// First bytes of every container.
 pub const MAGIC: [u8; 8] = *b"GYRFALCN";
@@ -79,10 +79,6 @@ pub const ENTRY_BYTES: usize = 16;
 pub const MAX_SECTIONS: u16 = 8;
 /// Bytes of the set's digest before each section's contents.
 pub const DIGEST_BYTES: usize = 8;
-
-static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-/// Without a look-up table: eight bytes per section do not deserve one.
-static SET_CHECKSUM: Crc<u64, NoTable> = Crc::<u64, NoTable>::new(&CRC_64_XZ);
 
 /// What a section holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -158,13 +154,10 @@ pub struct Container<'a> {
 }
 
 /// The digest of a set's contents, section after section in the directory's order.
-#[derive(Clone)]
-pub struct SetDigest(Digest<'static, u64, NoTable>);
-
-impl core::fmt::Debug for SetDigest {
-    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        formatter.write_str("SetDigest")
-    }
+#[derive(Debug, Clone)]
+pub struct SetDigest {
+    /// The CRC-64 so far, not inverted yet.
+    register: u64,
 }
 
 impl Default for SetDigest {
@@ -176,30 +169,30 @@ impl Default for SetDigest {
 impl SetDigest {
     /// The digest of no section yet.
     #[must_use]
-    pub fn new() -> Self {
-        Self(SET_CHECKSUM.digest())
+    pub const fn new() -> Self {
+        Self { register: CRC_64 }
     }
 
     /// Takes in the next section's contents.
     #[inline(never)]
     pub fn update(&mut self, contents: &[u8]) {
         let length = u32::try_from(contents.len()).unwrap_or(u32::MAX);
-        self.0.update(&length.to_le_bytes());
-        self.0.update(&checksum(contents).to_le_bytes());
+        // The length, then the CRC-32.
+        let pair = u64::from(length) | u64::from(checksum(contents)) << 32_u32;
+        self.register = crc_64(self.register, pair.to_le_bytes());
     }
 
     /// The digest of all contents taken in.
     #[must_use]
-    pub fn value(self) -> u64 {
-        self.0.finalize()
+    pub const fn value(self) -> u64 {
+        !self.register
     }
 }
 
 /// CRC-32 of bytes, as the container uses it.
 #[must_use]
-#[inline(never)]
 pub fn checksum(bytes: &[u8]) -> u32 {
-    CHECKSUM.checksum(bytes)
+    !crc_32(CRC_32, bytes)
 }
 
 impl Header {
@@ -361,6 +354,7 @@ impl<'a> Container<'a> {
     ///
     /// # Errors
     /// [`UplinkError::NoSuchSection`].
+    #[inline(never)]
     pub fn section(&self, kind: SectionKind) -> Result<&'a [u8], UplinkError> {
         self.directory
             .iter()

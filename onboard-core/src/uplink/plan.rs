@@ -135,6 +135,7 @@ impl<'a> PlanTable<'a> {
 
     /// The index of the first session that starts at or after `at`.
     #[must_use]
+    #[inline(never)]
     pub fn first_from(&self, at: Instant) -> u32 {
         let before = |record: &[u8; SESSION_BYTES]| {
             i64_at(record, 0).is_some_and(|start| start < at.tai_ns())

@@ -12,9 +12,9 @@
 //! rounds. Nothing is repaired: a damaged container is no longer to be used ([`ScrubStep::Damaged`]);
 //! ask [`super::Slots::active`] which slot is.
 
-use super::{CHECKSUM, Container, ENTRY_BYTES, HEADER_BYTES, Tables, UplinkError, read_entry};
+use super::{Container, ENTRY_BYTES, HEADER_BYTES, Tables, UplinkError, read_entry};
 use crate::bytes::{span, u32_at};
-use crc::Digest;
+use crate::crc::{CRC_32, crc_32};
 
 /// Most bytes that a step looks at.
 pub const SCRUB_BYTES: u32 = 256;
@@ -52,7 +52,8 @@ pub struct Scrub<'a> {
     region: u32,
     /// The next byte.
     at: u32,
-    digest: Digest<'static, u32>,
+    /// The CRC-32 of the region so far, not inverted yet.
+    register: u32,
 }
 
 impl core::fmt::Debug for Scrub<'_> {
@@ -76,7 +77,7 @@ impl<'a> Scrub<'a> {
             directory_crc: u32_at(bytes, 20).unwrap_or(0),
             region: 0,
             at: 0,
-            digest: CHECKSUM.digest(),
+            register: CRC_32,
         }
     }
 
@@ -98,15 +99,14 @@ impl<'a> Scrub<'a> {
         };
         let until = self.at.saturating_add(SCRUB_BYTES).min(region.end);
         match span(self.bytes, self.at, until.saturating_sub(self.at)) {
-            Some(piece) => self.digest.update(piece),
+            Some(piece) => self.register = crc_32(self.register, piece),
             None => return ScrubStep::Damaged(UplinkError::BadDirectory),
         }
         self.at = until;
         if until < region.end {
             return ScrubStep::GoesOn;
         }
-        let found = self.digest.clone().finalize();
-        if found != region.crc || !self.is_linked() {
+        if !self.register != region.crc || !self.is_linked() {
             let damage = self.damage();
             self.begin(0);
             return ScrubStep::Damaged(damage);
@@ -116,13 +116,15 @@ impl<'a> Scrub<'a> {
         if last { ScrubStep::RoundOver } else { ScrubStep::GoesOn }
     }
 
+    #[inline(never)]
     fn begin(&mut self, region: u32) {
         self.region = region;
         self.at = self.current().map_or(0, |region| region.start);
-        self.digest = CHECKSUM.digest();
+        self.register = CRC_32;
     }
 
     /// The region under way, from the directory for a section.
+    #[inline(never)]
     fn current(&self) -> Option<Region> {
         match self.region {
             0 => Some(Region { start: 0, end: 60, crc: self.header_crc }),

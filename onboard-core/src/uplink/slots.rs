@@ -30,7 +30,7 @@
 use super::flash::{Revocation, Upload};
 use super::slot_layout::{
     COMMIT_OFFSET, CONTAINER_OFFSET, Slot, Slots, Word, commit_word, committed_sequence, floor,
-    free_floor, image, is_erased, is_revoked, slot_bytes, whole_header, word_at,
+    free_floor, image, is_erased, is_revoked, reads, slot_bytes, whole_header,
 };
 use super::{
     Container, Header, MissionChangeOrder, RollbackOrder, SequenceError, TableError, Tables,
@@ -183,6 +183,7 @@ impl<'a> Slots<'a> {
     }
 
     /// The sequence number of a slot's committed container, or what the slot holds instead.
+    #[inline(never)]
     fn number(&self, slot: Slot) -> Result<u32, SlotState> {
         let number = own_number(self.bytes(slot))?;
         if self.is_under_floor(slot, number) {
@@ -365,7 +366,7 @@ fn own_number(slot: &[u8]) -> Result<u32, SlotState> {
 /// Whether the COMMIT word is that of the container in the slot.
 #[inline(never)]
 fn is_own_commit(slot: &[u8], container: &Container<'_>) -> bool {
-    word_at(slot, COMMIT_OFFSET) == Some(own_commit(container))
+    reads(slot, COMMIT_OFFSET, &own_commit(container))
 }
 
 fn own_commit(container: &Container<'_>) -> Word {

@@ -234,7 +234,7 @@ probes! {
     search_origin_new(header: &'static Header, set_digest: u64, scan: &'static ScanStrategy, field: &'static FieldOfView, body: i32) -> SearchOrigin { SearchOrigin::new(header, set_digest, scan, field, body) }
     search_state_to_le_bytes(state: *const SearchState, of: SearchOrigin) -> [u8; SEARCH_BYTES] { (&*state).to_le_bytes(&of) }
     search_state_from_le_bytes(record: &'static [u8; SEARCH_BYTES], of: SearchOrigin) -> Result<SearchState, RecordError> { SearchState::from_le_bytes(record, &of) }
-    channel_resume(channel: &'static mut Channel<'static>, state: SearchState) -> () { channel.resume(state) }
+    channel_resume(channel: &'static mut Channel<'static>, state: &'static SearchState) -> () { channel.resume(*state) }
     channel_evaluations(channel: &'static Channel<'static>) -> u64 { channel.evaluations() }
     channel_frontier(channel: &'static Channel<'static>) -> Option<Instant> { channel.frontier() }
     transit_dwell(transit: Transit) -> Duration { transit.dwell() }
