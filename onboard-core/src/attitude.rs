@@ -20,6 +20,7 @@ use crate::rotation::Rotation;
 use crate::scan::ScanStrategy;
 use crate::sun::{SunModel, frame_angular_velocity};
 use crate::time::Instant;
+use crate::vector::{cross, dot, plus, times};
 use nalgebra::Vector3;
 
 /// What a detector does on the sky at one instant.
@@ -79,13 +80,13 @@ pub fn sweep(
     let (x, n) = attitude.x_and_z();
     // omega = omega_frame + w_a n_sun + w_b s, with s the spin axis.
     let (precession_rate, spin_rate) = scan.rates_rad_s();
-    let omega = frame_angular_velocity(&anti_sun)
-        + anti_sun.direction.vector() * precession_rate
-        + spin.z_axis() * spin_rate;
+    let precession = times(anti_sun.direction.vector(), precession_rate);
+    let omega =
+        plus(plus(frame_angular_velocity(&anti_sun), precession), times(spin.z_axis(), spin_rate));
     // n' = omega x n: its components along x and y = n x x are omega . y and -omega . x.
-    let y = n.cross(&x);
-    let along_x = omega.x * y.x + omega.y * y.y + omega.z * y.z;
-    let along_y = -(omega.x * x.x + omega.y * x.y + omega.z * x.z);
+    let y = cross(n, x);
+    let along_x = dot(omega, y);
+    let along_y = -dot(omega, x);
     Ok(Sweep {
         attitude,
         direction: Direction::from_unit(n),

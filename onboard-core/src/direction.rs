@@ -7,6 +7,7 @@
 //! Limits: the longitude of a pole is given as 0.
 
 use crate::trigonometry;
+use crate::vector::{cross, dot, times};
 use core::marker::PhantomData;
 use nalgebra::Vector3;
 
@@ -69,9 +70,9 @@ impl<F> Direction<F> {
     /// With e = 1 - |v|^2, `1/|v| = (1 - e)^(-1/2) = 1 + e/2 + 3 e^2/8 + ...`; below the limit on e
     /// the first term left out is 5 e^3 / 16 < 4e-17. Others go the long way.
     pub(crate) fn from_nearly_unit(v: Vector3<f64>) -> Option<Self> {
-        let e = 1.0 - (v.x * v.x + v.y * v.y + v.z * v.z);
+        let e = 1.0 - dot(v, v);
         if libm::fabs(e) < NEARLY_UNIT {
-            Some(Self::from_unit(v * (1.0 + e * (0.5 + 0.375 * e))))
+            Some(Self::from_unit(times(v, 1.0 + e * (0.5 + 0.375 * e))))
         } else {
             Self::new(v.x, v.y, v.z)
         }
@@ -95,11 +96,8 @@ impl<F> Direction<F> {
     #[must_use]
     pub fn separation_rad(self, other: Self) -> f64 {
         let (a, b) = (self.vector, other.vector);
-        let cross = a.cross(&b);
-        libm::atan2(
-            libm::sqrt(cross.x * cross.x + cross.y * cross.y + cross.z * cross.z),
-            a.x * b.x + a.y * b.y + a.z * b.z,
-        )
+        let across = cross(a, b);
+        libm::atan2(libm::sqrt(dot(across, across)), dot(a, b))
     }
 
     /// Longitude in radians from x towards y, in [-pi, pi]; 0 at a pole.

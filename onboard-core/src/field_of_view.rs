@@ -106,6 +106,14 @@ impl FieldOfView {
         frame: Rotation<F, Boresight>,
         radius_rad: f64,
     ) -> Result<Self, FieldOfViewError> {
+        Self::of_circle(frame.from_any(), radius_rad)
+    }
+
+    #[inline(never)]
+    fn of_circle(
+        frame: Rotation<Boresight, Boresight>,
+        radius_rad: f64,
+    ) -> Result<Self, FieldOfViewError> {
         if !(radius_rad > 0.0 && radius_rad <= PI) {
             return Err(FieldOfViewError::Radius(radius_rad));
         }
@@ -120,6 +128,15 @@ impl FieldOfView {
     /// [`FieldOfViewError::Side`].
     pub fn rectangle<F>(
         frame: Rotation<F, Boresight>,
+        width_rad: f64,
+        height_rad: f64,
+    ) -> Result<Self, FieldOfViewError> {
+        Self::of_rectangle(frame.from_any(), width_rad, height_rad)
+    }
+
+    #[inline(never)]
+    fn of_rectangle(
+        frame: Rotation<Boresight, Boresight>,
         width_rad: f64,
         height_rad: f64,
     ) -> Result<Self, FieldOfViewError> {

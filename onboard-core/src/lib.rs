@@ -73,6 +73,7 @@ mod convert;
 mod bytes;
 mod crc;
 mod trigonometry;
+mod vector;
 
 pub mod time;
 pub mod phase;

@@ -200,15 +200,14 @@ const fn nearest(above: u64, below: u128) -> Option<u128> {
     }
     // Long division, a bit at a time: the rest stays below the divisor, its double below 2^95.
     let mut quotient = 0_u128;
-    let mut bit = 0_u32;
-    while bit < 128 {
+    let mut bit = 1_u128 << 127_u32;
+    while bit != 0 {
         rest = rest.wrapping_shl(1);
-        quotient = quotient.wrapping_shl(1);
         if rest >= below {
             rest = rest.wrapping_sub(below);
-            quotient |= 1;
+            quotient |= bit;
         }
-        bit = bit.wrapping_add(1);
+        bit >>= 1;
     }
     if rest.wrapping_shl(1) >= below {
         quotient = quotient.wrapping_add(1);

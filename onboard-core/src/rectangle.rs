@@ -12,6 +12,7 @@
 //!
 //! Limits: width and height in (0, pi). `tests/tests/avoidance.rs` compares with a dense outline.
 
+use crate::vector::{dot, minus, over, plus, times};
 use nalgebra::Vector3;
 
 /// A rectangle with its axes, all in one frame.
@@ -32,14 +33,14 @@ impl Rectangle {
     pub(crate) fn from_sides(centre: Vector3<f64>, sides: [Vector3<f64>; 4]) -> Self {
         let [up, down, right, left] = sides;
         // (+-cos h/2, 0, sin h/2) and (0, +-cos w/2, sin w/2).
-        let (x, y) = ((up - down) * 0.5, (right - left) * 0.5);
-        let (cos_h, cos_w) = (libm::sqrt(dot(&x, &x)), libm::sqrt(dot(&y, &y)));
+        let (x, y) = (times(minus(up, down), 0.5), times(minus(right, left), 0.5));
+        let (cos_h, cos_w) = (libm::sqrt(dot(x, x)), libm::sqrt(dot(y, y)));
         Self {
-            x: x / cos_h,
-            y: y / cos_w,
+            x: over(x, cos_h),
+            y: over(y, cos_w),
             z: centre,
-            height: (dot(&up, &centre), cos_h),
-            width: (dot(&right, &centre), cos_w),
+            height: (dot(up, centre), cos_h),
+            width: (dot(right, centre), cos_w),
         }
     }
 
@@ -48,7 +49,7 @@ impl Rectangle {
     /// `u` is any vector but zero.
     #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn nearest(&self, u: &Vector3<f64>) -> Option<Vector3<f64>> {
-        let (along_x, along_y, z) = (dot(&self.x, u), dot(&self.y, u), dot(&self.z, u));
+        let (along_x, along_y, z) = (dot(self.x, *u), dot(self.y, *u), dot(self.z, *u));
         let (x, y) = (libm::fabs(along_x), libm::fabs(along_y));
         let ((sin_h, cos_h), (sin_w, cos_w)) = (self.height, self.width);
         let beyond_x = x * cos_h - z * sin_h;
@@ -66,15 +67,9 @@ impl Rectangle {
         } else {
             Vector3::new(sin_h * cos_w, cos_h * sin_w, cos_h * cos_w)
         };
-        let length = libm::sqrt(dot(&foot, &foot));
-        Some(
-            self.x * (libm::copysign(foot.x, along_x) / length)
-                + self.y * (libm::copysign(foot.y, along_y) / length)
-                + self.z * (foot.z / length),
-        )
+        let length = libm::sqrt(dot(foot, foot));
+        let on_x = times(self.x, libm::copysign(foot.x, along_x) / length);
+        let on_y = times(self.y, libm::copysign(foot.y, along_y) / length);
+        Some(plus(plus(on_x, on_y), times(self.z, foot.z / length)))
     }
-}
-
-fn dot(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-    a.x * b.x + a.y * b.y + a.z * b.z
 }

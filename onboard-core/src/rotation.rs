@@ -32,6 +32,7 @@ use crate::direction::{Direction, root_near_one};
 use crate::frame::{Ecliptic, Icrf, OBLIQUITY_ARCSEC};
 use crate::phase::Phase;
 use crate::trigonometry;
+use crate::vector::{cross, plus, times, vector};
 use core::marker::PhantomData;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -76,16 +77,9 @@ impl<A, B> Rotation<A, B> {
     /// # Errors
     /// [`RotationError`] when a component is not finite or the norm is off by more than
     /// [`NORM_TOLERANCE`].
-    #[inline(never)]
     pub fn from_xyzw(xyzw: [f64; 4]) -> Result<Self, RotationError> {
+        let norm = norm(&xyzw)?;
         let [x, y, z, w] = xyzw;
-        let norm = libm::sqrt(x * x + y * y + z * z + w * w);
-        if !norm.is_finite() {
-            return Err(RotationError::NotFinite);
-        }
-        if libm::fabs(norm - 1.0) > NORM_TOLERANCE {
-            return Err(RotationError::NotUnit(norm));
-        }
         Ok(Self::from_parts(x / norm, y / norm, z / norm, w / norm))
     }
 
@@ -160,6 +154,11 @@ impl<A, B> Rotation<A, B> {
         Rotation { quaternion: self.quaternion.inverse(), frames: PhantomData }
     }
 
+    /// The same numbers, from any frame: for code that would otherwise stand once per frame.
+    pub(crate) const fn from_any<C>(self) -> Rotation<C, B> {
+        Rotation { quaternion: self.quaternion, frames: PhantomData }
+    }
+
     /// A direction's components in `B`.
     #[must_use]
     pub fn apply(self, direction: Direction<A>) -> Direction<B> {
@@ -213,10 +212,27 @@ impl Rotation<Icrf, Ecliptic> {
     }
 }
 
+/// The norm of a quaternion, where that is near one.
+#[inline(never)]
+fn norm([x, y, z, w]: &[f64; 4]) -> Result<f64, RotationError> {
+    let norm = libm::sqrt(x * x + y * y + z * z + w * w);
+    if !norm.is_finite() {
+        return Err(RotationError::NotFinite);
+    }
+    if libm::fabs(norm - 1.0) > NORM_TOLERANCE {
+        return Err(RotationError::NotUnit(norm));
+    }
+    Ok(norm)
+}
+
 /// Apart from [`Rotation::rotate`], whose frames would make it several functions.
 #[inline(never)]
-fn rotated(quaternion: &UnitQuaternion<f64>, vector: &Vector3<f64>) -> Vector3<f64> {
-    quaternion * vector
+fn rotated(quaternion: &UnitQuaternion<f64>, from: &Vector3<f64>) -> Vector3<f64> {
+    // t = 2 q x v; v + w t + q x t.
+    let q = quaternion.quaternion().coords;
+    let axis = vector(q.x, q.y, q.z);
+    let t = times(cross(axis, *from), 2.0);
+    plus(plus(times(t, q.w), cross(axis, t)), *from)
 }
 
 /// Sine and cosine of half the angle whose sine and cosine are given, without cancellation.

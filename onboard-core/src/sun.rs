@@ -15,6 +15,7 @@ use crate::frame::{AntiSun, Ecliptic};
 use crate::phase::Rotor;
 use crate::rotation::Rotation;
 use crate::time::Instant;
+use crate::vector::{cross, minus, plus, times, vector};
 use nalgebra::Vector3;
 
 /// The Sun-to-spacecraft direction over the mission.
@@ -102,7 +103,7 @@ pub(crate) fn frame_angular_velocity(sun: &DirectionState<Ecliptic>) -> Vector3<
     let [vx, vy, vz] = sun.rate_per_s;
     let rho2 = n.x * n.x + n.y * n.y;
     let per_rho2 = if rho2 > 0.0 { 1.0 / rho2 } else { 0.0 };
-    Vector3::new(vz * n.y, -vz * n.x, n.x * vy - n.y * vx) * per_rho2
+    times(vector(vz * n.y, -vz * n.x, n.x * vy - n.y * vx), per_rho2)
 }
 
 /// The axes of [`AntiSun`] in [`Ecliptic`], and how they turn.
@@ -131,7 +132,7 @@ impl AntiSunAxes {
         let longitude_rate = (cos_lon * vy - sin_lon * vx) / safe_rho;
         let latitude_rate = vz / safe_rho;
         let north = Vector3::new(0.0, 0.0, longitude_rate);
-        Self { x, y, z, angular_velocity: north + y * latitude_rate }
+        Self { x, y, z, angular_velocity: plus(north, times(y, latitude_rate)) }
     }
 
     /// A direction's components in [`AntiSun`], and their rate, the frame's own motion included.
@@ -140,7 +141,7 @@ impl AntiSunAxes {
     pub fn view(&self, target: &DirectionState<Ecliptic>) -> DirectionState<AntiSun> {
         let p = target.direction.vector();
         let [vx, vy, vz] = target.rate_per_s;
-        let relative = Vector3::new(vx, vy, vz) - self.angular_velocity.cross(&p);
+        let relative = minus(vector(vx, vy, vz), cross(self.angular_velocity, p));
         let seen = self.components(p);
         let rate = self.components(relative);
         DirectionState {

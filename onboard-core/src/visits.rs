@@ -156,15 +156,7 @@ impl<const BINS: usize> Histogram<BINS> {
     pub(crate) const EMPTY: Self = Self { counts: [0; BINS], under: 0, over: 0 };
 
     fn count(&mut self, bins: &Bins, value: Duration) {
-        let counter = match bins.bin(value.seconds(), BINS) {
-            HistogramBin::Underflow => &mut self.under,
-            HistogramBin::Overflow => &mut self.over,
-            HistogramBin::Bin(index) => match self.counts.get_mut(index) {
-                Some(counter) => counter,
-                None => return,
-            },
-        };
-        *counter = counter.saturating_add(1);
+        count(bins, value, &mut self.counts, [&mut self.under, &mut self.over]);
     }
 
     /// All values counted, saturating.
@@ -173,6 +165,20 @@ impl<const BINS: usize> Histogram<BINS> {
         let outside = self.under.saturating_add(self.over);
         self.counts.iter().fold(outside, |sum, count| sum.saturating_add(*count))
     }
+}
+
+/// Counts a value in its bin, or under or over all bins.
+#[inline(never)]
+fn count(bins: &Bins, value: Duration, counts: &mut [u32], [under, over]: [&mut u32; 2]) {
+    let counter = match bins.bin(value.seconds(), counts.len()) {
+        HistogramBin::Underflow => under,
+        HistogramBin::Overflow => over,
+        HistogramBin::Bin(index) => match counts.get_mut(index) {
+            Some(counter) => counter,
+            None => return,
+        },
+    };
+    *counter = counter.saturating_add(1);
 }
 
 /// What is known of one target's visits.

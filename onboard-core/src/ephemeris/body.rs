@@ -10,6 +10,7 @@ use crate::convert::{f64_from_u64, index_from_u32, index_from_u64, u32_from_f64}
 use crate::direction::{Direction, DirectionState, MotionBounds};
 use crate::frame::Ecliptic;
 use crate::time::Instant;
+use crate::vector::{dot, minus, plus, times};
 use nalgebra::Vector3;
 
 /// Bytes of one order's three coefficients.
@@ -98,9 +99,9 @@ impl BodyTable<'_> {
         let direction = Direction::from_nearly_unit(value)?;
         // d(v/|v|)/dt = (v' - n (n . v')) / |v|; |v| is one within the fit's error.
         let unit = direction.vector();
-        let per_second = slope * (2.0e9 / series.length);
-        let along = unit.x * per_second.x + unit.y * per_second.y + unit.z * per_second.z;
-        let rate = per_second - unit * along;
+        let per_second = times(slope, 2.0e9 / series.length);
+        let along = dot(unit, per_second);
+        let rate = minus(per_second, times(unit, along));
         // A series of huge coefficients has a direction, but its motion overflows.
         if !(rate.x + rate.y + rate.z).is_finite() {
             return None;
@@ -167,7 +168,7 @@ fn chebyshev_value(series: &[[u8; ORDER_BYTES]], x: f64) -> Vector3<f64> {
     let mut value = coefficient(constant);
     let (mut first, mut first_before) = (x, 1.0);
     for order in higher {
-        value += coefficient(order) * first;
+        value = plus(value, times(coefficient(order), first));
         (first_before, first) = (first, two_x * first - first_before);
     }
     value
@@ -186,8 +187,8 @@ fn chebyshev(series: &[[u8; ORDER_BYTES]], x: f64) -> (Vector3<f64>, Vector3<f64
     let mut degree = 1.0;
     for order in higher {
         let c = coefficient(order);
-        value += c * first;
-        slope += c * (degree * second);
+        value = plus(value, times(c, first));
+        slope = plus(slope, times(c, degree * second));
         (first_before, first) = (first, two_x * first - first_before);
         (second_before, second) = (second, two_x * second - second_before);
         degree += 1.0;

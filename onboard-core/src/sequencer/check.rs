@@ -283,11 +283,8 @@ impl SessionCheck {
         let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
         for _ in 0..steps {
             if let Some(transit) = self.search.take() {
-                if limit.is_some() {
-                    return Ok(Some(Stage::Done(Err(SkipReason::Avoidance(body)))));
-                }
-                if self.note(&transit) {
-                    return Ok(Some(Stage::Sloping(part)));
+                if let Some(next) = self.found(&transit, part, body) {
+                    return Ok(Some(next));
                 }
             } else if self.search.frontier().is_none() {
                 return Ok(Some(Stage::Next(part.following())));
@@ -298,8 +295,16 @@ impl SessionCheck {
         Ok(None)
     }
 
-    /// Takes a pass in; whether an edge of it is now the first or the last and not looked at yet.
+    /// What follows from a pass of the target, or of a limit's body; nothing where the search goes on.
     #[inline(never)]
+    fn found(&mut self, transit: &Transit, part: Part, body: i32) -> Option<Stage> {
+        match part {
+            Part::Target(_) => self.note(transit).then_some(Stage::Sloping(part)),
+            Part::Limit(..) => Some(Stage::Done(Err(SkipReason::Avoidance(body)))),
+        }
+    }
+
+    /// Takes a pass in; whether an edge of it is now the first or the last and not looked at yet.
     fn note(&mut self, transit: &Transit) -> bool {
         self.passes = self.passes.saturating_add(1);
         if self.first_entry.is_none_or(|edge| transit.entry < edge.at) {

@@ -18,6 +18,7 @@ use super::SEPARATION_TOLERANCE_RAD;
 use super::sight::Sight;
 use crate::rectangle::Rectangle;
 use crate::trigonometry;
+use crate::vector::{cross, dot, minus, plus, times};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 
@@ -122,7 +123,7 @@ impl Enlarged {
     /// The bound on f after `seconds`, less the tolerance, and its slope.
     #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn ahead(&self, sight: &Sight, curvature: f64, seconds: f64) -> (f64, f64) {
-        let there = sight.direction + sight.rate * seconds;
+        let there = plus(sight.direction, times(sight.rate, seconds));
         let moved = seconds * seconds * squared(&sight.rate);
         let bend = 0.5 * curvature * seconds * seconds - self.tolerance;
         let Some(point) = self.rectangle.nearest(&there) else {
@@ -132,8 +133,8 @@ impl Enlarged {
             return (self.versine + moved / (1.0 + length) + bend, slope);
         };
         // p . u - 1 from the chord: |u|^2 = 1 + |w'|^2 h^2.
-        let off = point - there;
-        let along = point.x * sight.rate.x + point.y * sight.rate.y + point.z * sight.rate.z;
+        let off = minus(point, there);
+        let along = dot(point, sight.rate);
         let value = self.versine - 0.5 * squared(&off) + 0.5 * moved + bend;
         (value, along + curvature * seconds)
     }
@@ -154,21 +155,19 @@ pub(super) fn newton((depth, rate): (f64, f64), sense: f64) -> f64 {
 /// Angle between two unit vectors.
 #[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn separation(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-    let across = a.cross(b);
-    libm::atan2(libm::sqrt(squared(&across)), a.x * b.x + a.y * b.y + a.z * b.z)
+    let across = cross(*a, *b);
+    libm::atan2(libm::sqrt(squared(&across)), dot(*a, *b))
 }
 
 pub(super) fn squared(v: &Vector3<f64>) -> f64 {
-    v.x * v.x + v.y * v.y + v.z * v.z
+    dot(*v, *v)
 }
 
 /// `e . w - 1` from the chord, so that small separations keep their digits, and its derivative.
 #[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn closeness(axis: &Vector3<f64>, sight: &Sight) -> (f64, f64) {
-    let chord = axis - sight.direction;
-    let squared = chord.x * chord.x + chord.y * chord.y + chord.z * chord.z;
-    let rate = chord.x * sight.rate.x + chord.y * sight.rate.y + chord.z * sight.rate.z;
-    (-0.5 * squared, rate)
+    let chord = minus(*axis, sight.direction);
+    (-0.5 * squared(&chord), dot(chord, sight.rate))
 }
 
 /// `1 - cos r`.

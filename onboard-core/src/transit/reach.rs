@@ -18,6 +18,7 @@ use crate::field_of_view::{Caps, FieldOfView, FieldShape};
 use crate::rectangle::Rectangle;
 use crate::sun::RelativeBounds;
 use crate::trigonometry;
+use crate::vector::negated;
 use core::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Vector3;
 
@@ -136,6 +137,7 @@ impl Reach {
     }
 
     /// The caps whose intersection the field is; none for an enlarged rectangle.
+    #[cfg_attr(target_os = "none", inline(never))]
     fn caps(&self) -> &[Cap] {
         match &self.edge {
             Edge::Circle(caps) => caps,
@@ -234,7 +236,7 @@ impl Reach {
     /// Least and largest angle of the field's points from an axis; 0 and pi where it holds the axis
     /// or its opposite.
     pub(super) fn edges_from(&self, axis: &Vector3<f64>) -> Edges {
-        Edges { near: self.angle_to(axis), far: PI - self.angle_to(&-axis) }
+        Edges { near: self.angle_to(axis), far: PI - self.angle_to(&negated(*axis)) }
     }
 
     /// Angle from a direction to the nearest point of the field, 0 inside.
