@@ -86,6 +86,12 @@ pub(crate) const fn index_from_u64(value: u64) -> usize {
     if value as usize as u64 == value { value as usize } else { usize::MAX }
 }
 
+/// The same count, which the compiler on a flight computer does not know: a loop up to it is not
+/// written out count times.
+pub(crate) fn uncounted(count: usize) -> usize {
+    if cfg!(target_os = "none") { core::hint::black_box(count) } else { count }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

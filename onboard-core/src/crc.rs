@@ -8,6 +8,8 @@
 //! section, four bits at a time. Written out here because a general implementation, unrolled, takes 3 KiB
 //! of a flight computer's code; tested against the crate `crc`.
 
+use crate::convert::uncounted;
+
 /// The register of CRC-32 before any byte.
 pub(crate) const CRC_32: u32 = !0;
 /// The register of CRC-64 before any byte.
@@ -79,10 +81,12 @@ pub(crate) fn crc_32(mut register: u32, bytes: &[u8]) -> u32 {
 #[inline(never)]
 pub(crate) fn crc_64(mut register: u64, bytes: [u8; 8]) -> u64 {
     register ^= u64::from_le_bytes(bytes);
-    for _ in 0..16 {
+    let mut nibbles = uncounted(1 << 15);
+    while nibbles != 0 {
         let [low, ..] = register.to_le_bytes();
         let entry = NIBBLES_64.get(usize::from(low & 15)).copied().unwrap_or(0);
         register = entry ^ (register >> 4);
+        nibbles >>= 1;
     }
     register
 }

@@ -94,6 +94,7 @@ impl<F> Direction<F> {
 
     /// Angle to another direction in radians, in [0, pi].
     #[must_use]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub fn separation_rad(self, other: Self) -> f64 {
         let (a, b) = (self.vector, other.vector);
         let across = cross(a, b);

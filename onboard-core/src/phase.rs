@@ -93,8 +93,7 @@ impl Phase {
     pub fn sin_cos(self) -> (f64, f64) {
         let quarter = self.0.wrapping_add(1 << 61_u32) >> 62_u32;
         let rest = signed_from_u64(self.0.wrapping_sub(quarter.wrapping_shl(62)));
-        let near = trigonometry::sin_cos_eighth(f64_from_i64(rest) * RADIANS_PER_BIT);
-        trigonometry::turned(near, signed_from_u64(quarter) & 3)
+        trigonometry::sin_cos_of(f64_from_i64(rest) * RADIANS_PER_BIT, signed_from_u64(quarter) & 3)
     }
 }
 

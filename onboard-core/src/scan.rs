@@ -124,6 +124,7 @@ impl ScanStrategy {
         Ok(Self::of_checked(parameters))
     }
 
+    #[inline(never)]
     pub(crate) fn check(parameters: &ScanParameters) -> Result<(), ScanError> {
         let (alpha, beta) = (parameters.alpha_rad, parameters.beta_rad);
         if !(0.0..=PI).contains(&alpha) {

@@ -119,7 +119,6 @@ pub struct AntiSunAxes {
 impl AntiSunAxes {
     /// The axes that follow `sun` (Sun to spacecraft).
     #[must_use]
-    #[cfg_attr(target_os = "none", inline(never))]
     pub fn new(sun: &DirectionState<Ecliptic>) -> Self {
         let z = sun.direction.vector();
         let [vx, vy, vz] = sun.rate_per_s;
@@ -137,7 +136,6 @@ impl AntiSunAxes {
 
     /// A direction's components in [`AntiSun`], and their rate, the frame's own motion included.
     #[must_use]
-    #[cfg_attr(target_os = "none", inline(never))]
     pub fn view(&self, target: &DirectionState<Ecliptic>) -> DirectionState<AntiSun> {
         let p = target.direction.vector();
         let [vx, vy, vz] = target.rate_per_s;

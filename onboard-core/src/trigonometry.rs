@@ -34,7 +34,7 @@ pub(crate) fn sin_cos(angle_rad: f64) -> (f64, f64) {
     };
     let quarters = libm::rint(angle * FRAC_2_PI);
     let rest = (angle - quarters * QUARTER_HIGH) - quarters * QUARTER_LOW;
-    turned(sin_cos_eighth(rest), i64_from_f64(quarters) & 3)
+    sin_cos_of(rest, i64_from_f64(quarters) & 3)
 }
 
 /// Sine of an angle in radians.
@@ -50,7 +50,7 @@ pub(crate) fn cos(angle_rad: f64) -> f64 {
 }
 
 /// The sine and cosine of an angle that is greater by so many quarter turns, 0 to 3.
-pub(crate) const fn turned((sin, cos): (f64, f64), quarters: i64) -> (f64, f64) {
+const fn turned((sin, cos): (f64, f64), quarters: i64) -> (f64, f64) {
     match quarters {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -59,9 +59,14 @@ pub(crate) const fn turned((sin, cos): (f64, f64), quarters: i64) -> (f64, f64) 
     }
 }
 
-/// Sine and cosine of an angle of at most an eighth of a turn.
+/// Sine and cosine of an angle of at most an eighth of a turn and so many quarter turns, 0 to 3.
 #[inline(never)]
-pub(crate) const fn sin_cos_eighth(x: f64) -> (f64, f64) {
+pub(crate) const fn sin_cos_of(rest_rad: f64, quarters: i64) -> (f64, f64) {
+    turned(sin_cos_eighth(rest_rad), quarters)
+}
+
+/// Sine and cosine of an angle of at most an eighth of a turn.
+const fn sin_cos_eighth(x: f64) -> (f64, f64) {
     let z = x * x;
     let odd = series(
         z,

@@ -53,7 +53,7 @@ impl BodyTable<'_> {
     /// [`EphemerisError::OutOfSpan`] as [`Self::state`].
     pub(crate) fn direction(self, at: Instant) -> Result<Direction<Ecliptic>, EphemerisError> {
         let series = self.series(at).ok_or(EphemerisError::OutOfSpan(at))?;
-        let value = chebyshev_value(series.orders, series.x);
+        let (value, _) = chebyshev(series.orders, series.x);
         Direction::from_nearly_unit(value).ok_or(EphemerisError::OutOfSpan(at))
     }
 
@@ -156,22 +156,6 @@ fn split(offset: u64, length_ns: u64, length: f64) -> Option<(u64, u64)> {
     }
     let before = rest.wrapping_add(length_ns);
     (before < length_ns).then_some((guess.wrapping_sub(1), before))
-}
-
-/// `sum_k c_k T_k(x)`, with the bits of [`chebyshev`].
-#[cfg_attr(target_os = "none", inline(never))]
-fn chebyshev_value(series: &[[u8; ORDER_BYTES]], x: f64) -> Vector3<f64> {
-    let Some((constant, higher)) = series.split_first() else {
-        return Vector3::new(0.0, 0.0, 0.0);
-    };
-    let two_x = 2.0 * x;
-    let mut value = coefficient(constant);
-    let (mut first, mut first_before) = (x, 1.0);
-    for order in higher {
-        value = plus(value, times(coefficient(order), first));
-        (first_before, first) = (first, two_x * first - first_before);
-    }
-    value
 }
 
 /// `sum_k c_k T_k(x)` and its derivative `sum_k c_k k U_{k-1}(x)`, by the recurrences of both kinds.

@@ -18,6 +18,7 @@
 //! decided is the session by itself: overlaps and the time for the check are the sequencer's.
 
 use super::reason::SkipReason;
+use crate::convert::uncounted;
 use crate::ephemeris::{EphemerisError, EphemerisTable};
 use crate::scan::ScanStrategy;
 use crate::time::{Duration, Instant};
@@ -281,7 +282,7 @@ impl SessionCheck {
         let body = limit.map_or(question.session.body, |record| record.body);
         let sun = question.mission.sun(question.ephemeris)?;
         let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
-        for _ in 0..steps {
+        for _ in 0..uncounted(usize::from(steps)) {
             if let Some(transit) = self.search.take() {
                 if let Some(next) = self.found(&transit, part, body) {
                     return Ok(Some(next));

@@ -68,6 +68,7 @@ pub enum EventKind {
 impl Event {
     /// Its kind.
     #[must_use]
+    #[inline(never)]
     pub const fn kind(&self) -> EventKind {
         match self {
             Self::Entered(_) => EventKind::Entered,
@@ -85,6 +86,7 @@ impl Event {
 impl EventKind {
     /// How much it matters in a full queue, 3 the most.
     #[must_use]
+    #[inline(never)]
     pub const fn rank(self) -> u8 {
         match self {
             Self::Safe => 3,
@@ -151,6 +153,7 @@ impl Lost {
             .saturating_add(self.time_jumped)
     }
 
+    #[inline(never)]
     const fn count(&mut self, kind: EventKind) {
         let number = match kind {
             EventKind::Entered => &mut self.entered,

@@ -9,6 +9,7 @@
 
 use super::reason::AbortReason;
 use crate::attitude::attitude;
+use crate::convert::uncounted;
 use crate::direction::Direction;
 use crate::ephemeris::EphemerisError;
 use crate::frame::{Boresight, Ecliptic};
@@ -20,6 +21,9 @@ use crate::uplink::{AvoidanceRecord, Tables};
 
 /// Most pairs of limit and field looked at in one tick, each an evaluation.
 pub const MAX_LOOKS_PER_TICK: u32 = 4;
+
+/// Most rounds of one tick: where a limit's fields end, no look is made.
+const MOST_ROUNDS: usize = 8;
 
 /// Which pair is next.
 #[derive(Debug, Clone, Copy)]
@@ -49,8 +53,7 @@ impl Watch {
             Ok(attitude) => attitude,
             Err(error) => return (looks, Some(AbortReason::Ephemeris(error))),
         };
-        // Where a limit's fields end, no look is made: at most twice as many rounds.
-        for _ in 0..MAX_LOOKS_PER_TICK.saturating_mul(2) {
+        for _ in 0..uncounted(MOST_ROUNDS) {
             if looks >= MAX_LOOKS_PER_TICK {
                 break;
             }

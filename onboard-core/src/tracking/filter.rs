@@ -12,6 +12,7 @@
 //! keep the first update within 1 % of its variance (the test below) and all others far closer.
 //! `tests/tests/tracking.rs` holds estimates and covariances to a batch of least squares.
 
+use crate::convert::uncounted;
 use crate::uncertainty::ScanCovariance;
 use core::array;
 
@@ -48,21 +49,22 @@ impl ErrorCovariance {
     }
 
     /// The upper half, row by row.
-    pub(super) fn upper(&self) -> [f64; 15] {
-        let mut cells = upper_cells();
-        array::from_fn(|_| cells.next().map_or(0.0, |(i, j)| self.cell(i, j)))
+    pub(super) const fn upper(&self) -> [f64; 15] {
+        let [[aa, ab, ac, ad, ae], [_, bb, bc, bd, be], [.., cc, cd, ce], [.., dd, de], [.., ee]] =
+            self.rows;
+        [aa, ab, ac, ad, ae, bb, bc, bd, be, cc, cd, ce, dd, de, ee]
     }
 
     /// The symmetric covariance of an upper half.
-    pub(super) fn of_upper(upper: [f64; 15]) -> Self {
-        let mut rows = [[0.0; 5]; 5];
-        for ((i, j), number) in upper_cells().zip(upper) {
-            for (i, j) in [(i, j), (j, i)] {
-                if let Some(cell) = rows.get_mut(i).and_then(|row: &mut Errors| row.get_mut(j)) {
-                    *cell = number;
-                }
-            }
-        }
+    pub(super) const fn of_upper(upper: [f64; 15]) -> Self {
+        let [aa, ab, ac, ad, ae, bb, bc, bd, be, cc, cd, ce, dd, de, ee] = upper;
+        let rows = [
+            [aa, ab, ac, ad, ae],
+            [ab, bb, bc, bd, be],
+            [ac, bc, cc, cd, ce],
+            [ad, bd, cd, dd, de],
+            [ae, be, ce, de, ee],
+        ];
         Self { rows }
     }
 
@@ -81,17 +83,17 @@ impl ErrorCovariance {
     /// Finite, symmetric, no negative variance, no correlation beyond one.
     #[inline(never)]
     pub(super) fn is_legal(&self) -> bool {
-        let variance = |i: usize| self.cell(i, i);
-        (0..5).all(|i| {
-            (0..5).all(|j| {
-                let here = self.cell(i, j);
-                let most = libm::sqrt(variance(i)) * libm::sqrt(variance(j));
-                here.is_finite()
-                    && variance(i) >= 0.0
-                    && here.to_bits() == self.cell(j, i).to_bits()
-                    && libm::fabs(here) <= most * (1.0 + 1e-9)
-            })
-        })
+        all_cells().all(|(i, j)| self.is_legal_at(i, j))
+    }
+
+    #[inline(never)]
+    fn is_legal_at(&self, i: usize, j: usize) -> bool {
+        let (here, own, other) = (self.cell(i, j), self.cell(i, i), self.cell(j, j));
+        let most = libm::sqrt(own) * libm::sqrt(other);
+        here.is_finite()
+            && own >= 0.0
+            && here.to_bits() == self.cell(j, i).to_bits()
+            && libm::fabs(here) <= most * (1.0 + 1e-9)
     }
 
     /// `seconds` later: `F P F' + Q`.
@@ -182,9 +184,9 @@ impl ErrorCovariance {
     }
 }
 
-/// Row and column of the upper half's numbers.
-fn upper_cells() -> impl Iterator<Item = (usize, usize)> {
-    (0..5).flat_map(|i| (i..5).map(move |j| (i, j)))
+/// Row and column of every number, row by row.
+fn all_cells() -> impl Iterator<Item = (usize, usize)> {
+    (0..uncounted(5)).flat_map(|i| (0..uncounted(5)).map(move |j| (i, j)))
 }
 
 #[inline(never)]

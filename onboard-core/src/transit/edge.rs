@@ -16,9 +16,12 @@
 
 use super::SEPARATION_TOLERANCE_RAD;
 use super::sight::Sight;
+use crate::convert::uncounted;
+use crate::frame::{Boresight, Spin};
 use crate::rectangle::Rectangle;
+use crate::rotation::Rotation;
 use crate::trigonometry;
-use crate::vector::{cross, dot, minus, plus, times};
+use crate::vector::{cross, dot, minus, plus, times, vector};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 
@@ -60,11 +63,17 @@ pub(super) struct Enlarged {
 }
 
 impl Cap {
-    /// A side of a rectangle, by the pole of its great circle.
+    /// Before a field of view is known.
+    pub(super) const NOTHING: Self =
+        Self { axis: vector(0.0, 0.0, 0.0), sin_beta: 0.0, versine: 0.0, tolerance: 0.0 };
+
+    /// Becomes a side of a rectangle, by the pole of its great circle.
     #[cfg_attr(target_os = "none", inline(never))]
-    pub(super) fn side(axis: Vector3<f64>) -> Self {
-        let sin_beta = libm::hypot(axis.x, axis.y);
-        Self { axis, sin_beta, versine: 1.0, tolerance: tolerance(FRAC_PI_2) }
+    pub(super) fn set_side(&mut self, into_spin: Rotation<Boresight, Spin>, pole: &Vector3<f64>) {
+        self.axis = into_spin.rotate(*pole);
+        self.sin_beta = libm::hypot(self.axis.x, self.axis.y);
+        self.versine = 1.0;
+        self.tolerance = tolerance(FRAC_PI_2);
     }
 
     /// f = cos(separation) - cos r, and its derivative.
@@ -104,7 +113,7 @@ impl Enlarged {
         }
         let (mut low, mut f_low) = (0.0, depth - self.tolerance);
         let mut high = libm::fmin(crossing_free(depth, rate, curvature, self.tolerance), longest);
-        for _ in 0..CHORDS {
+        for _ in 0..uncounted(CHORDS) {
             let (f_high, slope) = self.ahead(sight, curvature, high);
             if f_high <= 0.0 {
                 return high;

@@ -50,7 +50,7 @@ impl Reach {
         let zero = Vector3::new(0.0, 0.0, 0.0);
         Self {
             centre: zero,
-            edge: Edge::Circle([Cap { axis: zero, sin_beta: 0.0, versine: 0.0, tolerance: 0.0 }]),
+            edge: Edge::Circle([Cap::NOTHING]),
             core_rad: 0.0,
             margin_rad: 0.0,
             anti_sun: AntiSunGate::NOTHING,
@@ -108,7 +108,12 @@ impl Reach {
     fn set_sides(&mut self, motion: &Motion, field: &FieldOfView) {
         let Caps::Rectangle(poles) = field.caps() else { return };
         let into_spin = motion.scan.boresight_in_spin();
-        self.edge = Edge::Rectangle(poles.map(|pole| Cap::side(into_spin.rotate(pole))));
+        self.edge = Edge::Rectangle([Cap::NOTHING; 4]);
+        if let Edge::Rectangle(sides) = &mut self.edge {
+            for (side, pole) in sides.iter_mut().zip(&poles) {
+                side.set_side(into_spin, pole);
+            }
+        }
     }
 
     #[cfg_attr(target_os = "none", inline(never))]

@@ -256,15 +256,22 @@ impl<'a> MissionTable<'a> {
         self.detectors.iter().filter_map(|record| read_detector(record, 0).ok())
     }
 
+    /// How many detectors belong to telescopes before this number.
+    #[inline(never)]
+    fn detectors_before(&self, telescope: u32) -> usize {
+        self.detectors
+            .partition_point(|record| u32::from(u16_at(record, 32).unwrap_or(u16::MAX)) < telescope)
+    }
+
     /// What a telescope is calibrated through: the `index`-th of its listed detectors' circles, or
     /// its field of view alone when none is listed.
     #[must_use]
     #[inline(never)]
     pub fn calibration_field(&self, telescope: u16, index: u16) -> Option<FieldOfView> {
-        let number = |record: &[u8; DETECTOR_BYTES]| u16_at(record, 32).unwrap_or(u16::MAX);
-        let first = self.detectors.partition_point(|record| number(record) < telescope);
-        let last = self.detectors.partition_point(|record| number(record) <= telescope);
-        let own = self.detectors.get(first..last)?;
+        let telescope_number = u32::from(telescope);
+        let first = self.detectors_before(telescope_number);
+        let own =
+            self.detectors.get(first..self.detectors_before(telescope_number.wrapping_add(1)))?;
         if own.is_empty() {
             return match index {
                 0 => self.telescope(telescope)?.field_of_view().ok(),

@@ -40,6 +40,7 @@
 
 use super::{HEADER_BYTES, MAGIC, checksum};
 use crate::bytes::{field, put, u32_at, u64_at};
+use crate::convert::uncounted;
 
 /// Bytes of a slot's word: the longest span under one error-correcting code that is served.
 pub const WORD_BYTES: usize = 32;
@@ -165,7 +166,7 @@ pub(super) fn is_revoked(slot: &[u8]) -> bool {
 /// The floor words of a slot, in the order of their use.
 fn floors(slot: &[u8]) -> impl Iterator<Item = &Word> {
     let words = slot.get(FLOOR_OFFSET..).unwrap_or(&[]).as_chunks().0;
-    words.iter().take(FLOOR_WORDS)
+    words.iter().take(uncounted(FLOOR_WORDS))
 }
 
 /// Up to which number a slot says that the other one is revoked.
@@ -183,7 +184,7 @@ pub(super) fn floor(slot: &[u8]) -> Option<u32> {
 pub(super) fn free_floor(slot: &[u8]) -> Option<usize> {
     let mut offset = FLOOR_OFFSET;
     for word in floors(slot) {
-        if *word == ERASED {
+        if reads(word, 0, &ERASED) {
             return Some(offset);
         }
         offset = offset.wrapping_add(WORD_BYTES);
