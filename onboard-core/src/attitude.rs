@@ -13,7 +13,7 @@
 //! Limits: 1e-12 rad anywhere in ten years (`tests/tests/attitude.rs`). At an ecliptic pole east is
 //! taken along longitude +90 deg.
 
-use crate::direction::Direction;
+use crate::direction::{Direction, DirectionState};
 use crate::ephemeris::EphemerisError;
 use crate::frame::{AntiSun, Boresight, Detector, Ecliptic, Spin};
 use crate::rotation::Rotation;
@@ -74,7 +74,8 @@ pub fn sweep(
     detector: Rotation<Detector, Boresight>,
     at: Instant,
 ) -> Result<Sweep, EphemerisError> {
-    let anti_sun = sun.state(scan.parameters().start, at)?;
+    let mut anti_sun = DirectionState::NOWHERE;
+    sun.place_state(scan.parameters().start, at, &mut anti_sun)?;
     let spin = spin_in_ecliptic(scan, anti_sun.direction, at);
     let attitude = detector.then(spin.after_about_y::<Boresight>(scan.half_beta()));
     let (x, n) = attitude.x_and_z();

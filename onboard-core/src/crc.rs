@@ -8,7 +8,7 @@
 //! section, four bits at a time. Written out here because a general implementation, unrolled, takes 3 KiB
 //! of a flight computer's code; tested against the crate `crc`.
 
-use crate::convert::uncounted;
+use crate::convert::{rolled, uncounted};
 
 /// The register of CRC-32 before any byte.
 pub(crate) const CRC_32: u32 = !0;
@@ -69,6 +69,7 @@ static BYTES_32: [u32; 256] = {
 #[inline(never)]
 pub(crate) fn crc_32(mut register: u32, bytes: &[u8]) -> u32 {
     for byte in bytes {
+        rolled();
         let [low, ..] = register.to_le_bytes();
         let entry = BYTES_32.get(usize::from(low ^ byte)).copied().unwrap_or(0);
         register = entry ^ (register >> 8);
@@ -83,6 +84,7 @@ pub(crate) fn crc_64(mut register: u64, bytes: [u8; 8]) -> u64 {
     register ^= u64::from_le_bytes(bytes);
     let mut nibbles = uncounted(1 << 15);
     while nibbles != 0 {
+        rolled();
         let [low, ..] = register.to_le_bytes();
         let entry = NIBBLES_64.get(usize::from(low & 15)).copied().unwrap_or(0);
         register = entry ^ (register >> 4);

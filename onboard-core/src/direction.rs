@@ -123,6 +123,11 @@ pub struct DirectionState<F> {
     pub rate_per_s: [f64; 3],
 }
 
+impl<F> DirectionState<F> {
+    /// Zeros, before one is known.
+    pub(crate) const NOWHERE: Self = Self { direction: Direction::NOWHERE, rate_per_s: [0.0; 3] };
+}
+
 impl<F> Clone for DirectionState<F> {
     fn clone(&self) -> Self {
         *self

@@ -39,6 +39,28 @@ pub enum FieldShape {
     Rectangle(f64, f64),
 }
 
+impl FieldShape {
+    /// Whether its sizes are in range.
+    ///
+    /// # Errors
+    /// [`FieldOfViewError`] names the size that is not.
+    #[inline(never)]
+    pub(crate) fn check(self) -> Result<(), FieldOfViewError> {
+        match self {
+            Self::Circle(radius) if !(radius > 0.0 && radius <= PI) => {
+                Err(FieldOfViewError::Radius(radius))
+            }
+            Self::Rectangle(width, _) if !(width > 0.0 && width < PI) => {
+                Err(FieldOfViewError::Side(width))
+            }
+            Self::Rectangle(_, height) if !(height > 0.0 && height < PI) => {
+                Err(FieldOfViewError::Side(height))
+            }
+            Self::Circle(_) | Self::Rectangle(..) => Ok(()),
+        }
+    }
+}
+
 /// A set of directions fixed in the spacecraft.
 #[derive(Debug, Clone, Copy)]
 pub struct FieldOfView {
@@ -114,9 +136,7 @@ impl FieldOfView {
         frame: Rotation<Boresight, Boresight>,
         radius_rad: f64,
     ) -> Result<Self, FieldOfViewError> {
-        if !(radius_rad > 0.0 && radius_rad <= PI) {
-            return Err(FieldOfViewError::Radius(radius_rad));
-        }
+        FieldShape::Circle(radius_rad).check()?;
         let centre = frame.apply(Direction::Z).vector();
         let shape = FieldShape::Circle(radius_rad);
         Ok(Self { shape, centre, reach_rad: radius_rad, margin_rad: 0.0, caps: Caps::Circle })
@@ -140,11 +160,7 @@ impl FieldOfView {
         width_rad: f64,
         height_rad: f64,
     ) -> Result<Self, FieldOfViewError> {
-        for side in [width_rad, height_rad] {
-            if !(side > 0.0 && side < PI) {
-                return Err(FieldOfViewError::Side(side));
-            }
-        }
+        FieldShape::Rectangle(width_rad, height_rad).check()?;
         let (sin_w, cos_w) = trigonometry::sin_cos(0.5 * width_rad);
         let (sin_h, cos_h) = trigonometry::sin_cos(0.5 * height_rad);
         let axis = |x: f64, y: f64, z: f64| frame.rotate(Vector3::new(x, y, z));
@@ -203,8 +219,8 @@ impl FieldOfView {
         self.reach_rad
     }
 
-    pub(crate) const fn caps(&self) -> Caps {
-        self.caps
+    pub(crate) const fn caps(&self) -> &Caps {
+        &self.caps
     }
 
     /// The rectangle in its own axes; none for a circle.

@@ -14,7 +14,7 @@
 
 use crate::convert::{
     bits_from_i64, f64_from_i64, f64_from_u64, f64_from_u128, high_half, i64_from_f64, low_half,
-    signed_from_u64, wide, wide_bits_from_f64, wide_bits_from_i64,
+    quarter_from_u64, signed_from_u64, wide, wide_bits_from_f64, wide_bits_from_i64,
 };
 use crate::time::Duration;
 use crate::trigonometry;
@@ -93,7 +93,7 @@ impl Phase {
     pub fn sin_cos(self) -> (f64, f64) {
         let quarter = self.0.wrapping_add(1 << 61_u32) >> 62_u32;
         let rest = signed_from_u64(self.0.wrapping_sub(quarter.wrapping_shl(62)));
-        trigonometry::sin_cos_of(f64_from_i64(rest) * RADIANS_PER_BIT, signed_from_u64(quarter) & 3)
+        trigonometry::sin_cos_of(f64_from_i64(rest) * RADIANS_PER_BIT, quarter_from_u64(quarter))
     }
 }
 

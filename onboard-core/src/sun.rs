@@ -14,7 +14,7 @@ use crate::ephemeris::{BodyTable, EphemerisError};
 use crate::frame::{AntiSun, Ecliptic};
 use crate::phase::Rotor;
 use crate::rotation::Rotation;
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
 use crate::vector::{cross, minus, plus, times, vector};
 use nalgebra::Vector3;
 
@@ -37,31 +37,28 @@ impl SunModel<'_> {
         start: Instant,
         at: Instant,
     ) -> Result<DirectionState<Ecliptic>, EphemerisError> {
-        match self {
-            Self::Circular(longitude) => {
-                let (sin, cos) = longitude.phase(at.since(start)).sin_cos();
-                let rate = longitude.rate.radians_per_second();
-                Ok(DirectionState {
-                    direction: Direction::from_unit(Vector3::new(cos, sin, 0.0)),
-                    rate_per_s: [-rate * sin, rate * cos, 0.0],
-                })
-            }
-            Self::Table(body) => body.state(at),
-        }
+        let mut state = DirectionState::NOWHERE;
+        self.place_state(start, at, &mut state)?;
+        Ok(state)
     }
 
-    /// As [`Self::state`], with the instant up to which the bounds hold without a break.
+    /// As [`Self::state`], written in place, with the instant up to which the bounds hold without a
+    /// break.
     ///
     /// # Errors
     /// [`EphemerisError::OutOfSpan`] beyond the table.
-    pub(crate) fn state_until(
+    pub(crate) fn place_state(
         &self,
         start: Instant,
         at: Instant,
-    ) -> Result<(DirectionState<Ecliptic>, Instant), EphemerisError> {
+        state: &mut DirectionState<Ecliptic>,
+    ) -> Result<Instant, EphemerisError> {
         match self {
-            Self::Circular(_) => Ok((self.state(start, at)?, Instant::from_tai_ns(i64::MAX))),
-            Self::Table(body) => body.state_until(at),
+            Self::Circular(longitude) => {
+                place_circular(*longitude, at.since(start), state);
+                Ok(Instant::from_tai_ns(i64::MAX))
+            }
+            Self::Table(body) => body.place_state(at, state),
         }
     }
 
@@ -92,6 +89,15 @@ impl SunModel<'_> {
             Self::Table(body) => body.bounds(),
         }
     }
+}
+
+/// The state of a uniform motion in longitude, so long after its start.
+#[cfg_attr(target_os = "none", inline(never))]
+fn place_circular(longitude: Rotor, elapsed: Duration, state: &mut DirectionState<Ecliptic>) {
+    let (sin, cos) = longitude.phase(elapsed).sin_cos();
+    let rate = longitude.rate.radians_per_second();
+    state.direction = Direction::from_unit(Vector3::new(cos, sin, 0.0));
+    state.rate_per_s = [-rate * sin, rate * cos, 0.0];
 }
 
 /// Angular velocity in rad/s of the [`AntiSun`] frame that follows `sun`, components in [`Ecliptic`].

@@ -31,20 +31,23 @@ impl BodyTable<'_> {
     /// [`EphemerisError::OutOfSpan`] outside the body's spans, in a gap between two, or where the
     /// series has no direction.
     pub fn state(self, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> {
-        Ok(self.state_until(at)?.0)
+        let mut state = DirectionState::NOWHERE;
+        self.place_state(at, &mut state)?;
+        Ok(state)
     }
 
-    /// As [`Self::state`], with the end of the granule: up to it, the end itself excluded unless the
+    /// As [`Self::state`], written in place, with the end of the granule: up to it, the end itself excluded unless the
     /// body's tables end there, direction and motion follow one series and obey the bounds.
     ///
     /// # Errors
     /// [`EphemerisError::OutOfSpan`] as [`Self::state`].
     // REQ-EPH-3.
-    pub(crate) fn state_until(
-        self,
+    pub(crate) fn place_state(
+        &self,
         at: Instant,
-    ) -> Result<(DirectionState<Ecliptic>, Instant), EphemerisError> {
-        self.evaluate(at).ok_or(EphemerisError::OutOfSpan(at))
+        state: &mut DirectionState<Ecliptic>,
+    ) -> Result<Instant, EphemerisError> {
+        self.evaluate(at, state).ok_or(EphemerisError::OutOfSpan(at))
     }
 
     /// The body's direction at `at`, for less work than [`Self::state`] and with the same bits.
@@ -93,20 +96,11 @@ impl BodyTable<'_> {
     }
 
     #[cfg_attr(target_os = "none", inline(never))]
-    fn evaluate(self, at: Instant) -> Option<(DirectionState<Ecliptic>, Instant)> {
+    fn evaluate(&self, at: Instant, state: &mut DirectionState<Ecliptic>) -> Option<Instant> {
         let series = self.series(at)?;
         let (value, slope) = chebyshev(series.orders, series.x);
-        let direction = Direction::from_nearly_unit(value)?;
-        // d(v/|v|)/dt = (v' - n (n . v')) / |v|; |v| is one within the fit's error.
-        let unit = direction.vector();
-        let per_second = times(slope, 2.0e9 / series.length);
-        let along = dot(unit, per_second);
-        let rate = minus(per_second, times(unit, along));
-        // A series of huge coefficients has a direction, but its motion overflows.
-        if !(rate.x + rate.y + rate.z).is_finite() {
-            return None;
-        }
-        Some((DirectionState { direction, rate_per_s: [rate.x, rate.y, rate.z] }, series.end))
+        moving(value, slope, series.length, state)?;
+        Some(series.end)
     }
 
     /// First and last instant of the body's spans; a gap between spans is not seen here.
@@ -156,6 +150,29 @@ fn split(offset: u64, length_ns: u64, length: f64) -> Option<(u64, u64)> {
     }
     let before = rest.wrapping_add(length_ns);
     (before < length_ns).then_some((guess.wrapping_sub(1), before))
+}
+
+/// The state that a series' value and slope are, of granules of this length in ns; apart, so that it
+/// does not lie on the stack below the series.
+#[cfg_attr(target_os = "none", inline(never))]
+fn moving(
+    value: Vector3<f64>,
+    slope: Vector3<f64>,
+    length: f64,
+    state: &mut DirectionState<Ecliptic>,
+) -> Option<()> {
+    let direction = Direction::from_nearly_unit(value)?;
+    // d(v/|v|)/dt = (v' - n (n . v')) / |v|; |v| is one within the fit's error.
+    let unit = direction.vector();
+    let per_second = times(slope, 2.0e9 / length);
+    let along = dot(unit, per_second);
+    let rate = minus(per_second, times(unit, along));
+    // A series of huge coefficients has a direction, but its motion overflows.
+    if !(rate.x + rate.y + rate.z).is_finite() {
+        return None;
+    }
+    *state = DirectionState { direction, rate_per_s: [rate.x, rate.y, rate.z] };
+    Some(())
 }
 
 /// `sum_k c_k T_k(x)` and its derivative `sum_k c_k k U_{k-1}(x)`, by the recurrences of both kinds.

@@ -17,9 +17,11 @@
 //! [`SEPARATION_TOLERANCE_RAD`](crate::transit::SEPARATION_TOLERANCE_RAD) may go either way. What is
 //! decided is the session by itself: overlaps and the time for the check are the sequencer's.
 
+use super::estimate::ScanEstimate;
 use super::reason::SkipReason;
 use crate::convert::uncounted;
 use crate::ephemeris::{EphemerisError, EphemerisTable};
+use crate::field_of_view::FieldOfView;
 use crate::scan::ScanStrategy;
 use crate::time::{Duration, Instant};
 use crate::transit::{Lookup, Search, Seen, Transit};
@@ -187,17 +189,17 @@ impl SessionCheck {
     }
 
     /// Half the 95 % interval of the predicted first entry or last exit, the larger of the two, where
-    /// the angles of its strategy are known as well as `covariance_at` says.
+    /// the angles of its strategy are known as well as `scan` says.
     ///
     /// An edge that the search's own end cut off is certain; before the target was searched nothing
     /// is uncertain.
     #[must_use]
     #[inline(never)]
     // REQ-SEQ-8.
-    pub fn uncertainty(&self, covariance_at: impl Fn(Instant) -> ScanCovariance) -> Duration {
+    pub fn uncertainty(&self, scan: &ScanEstimate<'_>) -> Duration {
         let mut largest = 0.0;
         for edge in [&self.first_entry, &self.last_exit].into_iter().flatten() {
-            largest = libm::fmax(largest, edge.sigma_s(&covariance_at(edge.at)));
+            largest = libm::fmax(largest, edge.sigma_s(&scan.covariance_at(edge.at)));
         }
         Duration::from_seconds(TWO_SIDED_95 * largest)
     }
@@ -237,34 +239,50 @@ impl SessionCheck {
     // REQ-SEQ-6.
     fn begin(&mut self, question: &Question<'_, '_>, part: Part) -> Result<Stage, EphemerisError> {
         let (session, mission) = (question.session, question.mission);
-        let (body, field, span) = match part {
-            Part::Target(index) => match mission.calibration_field(session.telescope, index) {
-                Some(field) => (session.body, field, window(question)),
-                None => {
+        // Fields are borrowed, not moved out of their options: each copy would lie on the stack.
+        match part {
+            Part::Target(index) => {
+                let field = mission.calibration_field(session.telescope, index);
+                let Some(field) = &field else {
                     return Ok(match self.compare(question) {
                         Ok(()) => Stage::Next(Part::Limit(0, 0)),
                         disagreement => Stage::Done(disagreement),
                     });
-                }
-            },
+                };
+                self.lay_out(question, session.body, field, window(question))?;
+            }
             Part::Limit(limit, index) => {
                 let Some(record) = mission.avoidance_limit(limit) else {
                     return Ok(Stage::Done(Ok(())));
                 };
-                let Some(field) = mission.calibration_field(session.telescope, index) else {
+                let field = mission.calibration_field(session.telescope, index);
+                let Some(field) = &field else {
                     return Ok(Stage::Next(Part::Limit(limit.saturating_add(1), 0)));
                 };
-                match field.enlarged(record.angle_rad) {
-                    Some(zone) => (record.body, zone, (session.start, session.end)),
+                let zone = field.enlarged(record.angle_rad);
+                let Some(zone) = &zone else {
                     // The zone is the whole sky.
-                    None => return Ok(Stage::Done(Err(SkipReason::Avoidance(record.body)))),
-                }
+                    return Ok(Stage::Done(Err(SkipReason::Avoidance(record.body))));
+                };
+                self.lay_out(question, record.body, zone, (session.start, session.end))?;
             }
-        };
-        let sun = mission.sun(question.ephemeris)?;
-        let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
-        self.search.set(&self.strategy, &lookup, &field, span);
+        }
         Ok(Stage::Searching(part))
+    }
+
+    /// The search of a body through a field.
+    #[inline(never)]
+    fn lay_out(
+        &mut self,
+        question: &Question<'_, '_>,
+        body: i32,
+        field: &FieldOfView,
+        span: (Instant, Instant),
+    ) -> Result<(), EphemerisError> {
+        let sun = question.mission.sun(question.ephemeris)?;
+        let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
+        self.search.set(&self.strategy, &lookup, field, span);
+        Ok(())
     }
 
     /// At most so many steps of the search; what follows, when it is over.
@@ -283,8 +301,8 @@ impl SessionCheck {
         let sun = question.mission.sun(question.ephemeris)?;
         let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
         for _ in 0..uncounted(usize::from(steps)) {
-            if let Some(transit) = self.search.take() {
-                if let Some(next) = self.found(&transit, part, body) {
+            if self.search.has_found() {
+                if let Some(next) = self.found(part, body) {
                     return Ok(Some(next));
                 }
             } else if self.search.frontier().is_none() {
@@ -298,9 +316,10 @@ impl SessionCheck {
 
     /// What follows from a pass of the target, or of a limit's body; nothing where the search goes on.
     #[inline(never)]
-    fn found(&mut self, transit: &Transit, part: Part, body: i32) -> Option<Stage> {
+    fn found(&mut self, part: Part, body: i32) -> Option<Stage> {
+        let transit = self.search.take()?;
         match part {
-            Part::Target(_) => self.note(transit).then_some(Stage::Sloping(part)),
+            Part::Target(_) => self.note(&transit).then_some(Stage::Sloping(part)),
             Part::Limit(..) => Some(Stage::Done(Err(SkipReason::Avoidance(body)))),
         }
     }

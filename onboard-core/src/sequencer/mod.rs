@@ -197,8 +197,8 @@ impl Sequencer {
                     self.follow_tables(now, tables, log);
                     self.follow_strategy(&situation.scan, tables);
                     self.follow_session(now, log);
-                    if let Some(session) = self.look_ahead(now, (tables, &situation.scan), log) {
-                        evaluations = self.look_into(&session, tables, &situation.scan);
+                    if let Some(session) = &self.look_ahead(now, (tables, &situation.scan), log) {
+                        evaluations = self.look_into(session, tables, &situation.scan);
                     }
                     self.follow_session(now, log);
                     let looks = self.follow_avoidance(now, tables, &situation.scan, log);
@@ -462,7 +462,7 @@ impl Sequencer {
             return Err(SkipReason::Overlap);
         }
         self.check.verdict().unwrap_or(Err(SkipReason::NotChecked))?;
-        let uncertainty = self.check.uncertainty(|at| scan.covariance_at(at));
+        let uncertainty = self.check.uncertainty(scan);
         if uncertainty > self.settings.tolerance {
             return Err(SkipReason::Uncertain(uncertainty));
         }

@@ -97,7 +97,9 @@ fn too_close(
     attitude: &Rotation<Ecliptic, Boresight>,
     now: Instant,
 ) -> Option<Result<bool, EphemerisError>> {
-    let field = tables.mission().calibration_field(telescope, index)?;
+    // Borrowed, not moved out of the option: a copy less on the stack.
+    let field = tables.mission().calibration_field(telescope, index);
+    let field = field.as_ref()?;
     let seen = direction(record.body, tables, attitude, now);
     let limit = record.angle_rad - SEPARATION_TOLERANCE_RAD;
     Some(seen.map(|direction| field.angle_to_rad(direction) < limit))

@@ -14,7 +14,6 @@
 
 use crate::convert::uncounted;
 use crate::uncertainty::ScanCovariance;
-use core::array;
 
 /// Precession phase, alpha, spin phase, precession rate, spin rate.
 pub(super) type Errors = [f64; 5];
@@ -97,21 +96,12 @@ impl ErrorCovariance {
     }
 
     /// `seconds` later: `F P F' + Q`.
+    #[inline(never)]
     pub(super) fn propagate(&mut self, seconds: f64, walks: &Walks) {
-        let [precession, alpha, spin, precession_rate, spin_rate] = self.rows;
-        let grown = |phase: Errors, rate: Errors| {
-            let mut grown = phase;
-            add(&mut grown, seconds, &rate);
-            grown
-        };
-        self.rows = [
-            grown(precession, precession_rate),
-            alpha,
-            grown(spin, spin_rate),
-            precession_rate,
-            spin_rate,
-        ];
-        for row in &mut self.rows {
+        let [precession, _, spin, precession_rate, spin_rate] = &mut self.rows;
+        add(precession, seconds, precession_rate);
+        add(spin, seconds, spin_rate);
+        for row in self.rows.iter_mut().take(uncounted(5)) {
             let [precession, _, spin, precession_rate, spin_rate] = row;
             *precession += seconds * *precession_rate;
             *spin += seconds * *spin_rate;
@@ -127,12 +117,24 @@ impl ErrorCovariance {
         let [a_rate, b_rate] = walks.rates.map(|walk| walk * walk * time);
         let half = 0.5 * seconds;
         let third = time * time / 3.0;
-        let [precession, tilt, spin, precession_rate, spin_rate] = &mut self.rows;
-        add(precession, 1.0, &[a + a_rate * third, 0.0, 0.0, a_rate * half, 0.0]);
-        add(tilt, 1.0, &[0.0, alpha, 0.0, 0.0, 0.0]);
-        add(spin, 1.0, &[0.0, 0.0, b + b_rate * third, 0.0, b_rate * half]);
-        add(precession_rate, 1.0, &[a_rate * half, 0.0, 0.0, a_rate, 0.0]);
-        add(spin_rate, 1.0, &[0.0, 0.0, b_rate * half, 0.0, b_rate]);
+        let [
+            [aa, _, _, ad, _],
+            [_, bb, ..],
+            [_, _, cc, _, ce],
+            [da, _, _, dd, _],
+            [_, _, ec, _, ee],
+        ] = &mut self.rows;
+        *aa += a + a_rate * third;
+        *bb += alpha;
+        *cc += b + b_rate * third;
+        for cell in [ad, da] {
+            *cell += a_rate * half;
+        }
+        for cell in [ce, ec] {
+            *cell += b_rate * half;
+        }
+        *dd += a_rate;
+        *ee += b_rate;
     }
 
     /// Takes in `value = h . errors + noise`: improves the estimated errors and the covariance.
@@ -175,8 +177,17 @@ impl ErrorCovariance {
 
     #[inline(never)]
     fn symmetrise(&mut self) {
-        self.rows =
-            array::from_fn(|i| array::from_fn(|j| 0.5 * (self.cell(i, j) + self.cell(j, i))));
+        for (i, j) in all_cells().filter(|(i, j)| i < j) {
+            let mean = 0.5 * (self.cell(i, j) + self.cell(j, i));
+            self.set(i, j, mean);
+            self.set(j, i, mean);
+        }
+    }
+
+    fn set(&mut self, i: usize, j: usize, value: f64) {
+        if let Some(cell) = self.rows.get_mut(i).and_then(|row| row.get_mut(j)) {
+            *cell = value;
+        }
     }
 
     fn cell(&self, i: usize, j: usize) -> f64 {
@@ -246,7 +257,7 @@ mod tests {
         p.propagate(10.0, &NO_WALKS);
         p.observe(&mut [0.0; 5], &[1.0, 0.5, 1.0, 0.25, 0.0], 0.0, 1.0);
         assert_eq!(ErrorCovariance::of_upper(p.upper()), p);
-        let numbers = array::from_fn(|i| f64::from(u8::try_from(i).unwrap()));
+        let numbers = core::array::from_fn(|i| f64::from(u8::try_from(i).unwrap()));
         let back = ErrorCovariance::of_upper(numbers).upper();
         assert_eq!(back.map(f64::to_bits), numbers.map(f64::to_bits));
     }

@@ -13,6 +13,7 @@
 
 use super::filter::ErrorCovariance;
 use crate::bytes::{instant_at, put, u32_at};
+use crate::convert::{rolled, uncounted};
 use crate::record::{FRAME_BYTES, Kind, RecordError};
 use crate::scan::{SCAN_BYTES, ScanParameters};
 use crate::time::Instant;
@@ -70,7 +71,8 @@ impl TrackerState {
         KIND.open(record, spacecraft)?;
         let mut upper = [0.0; NUMBERS];
         let saved = record.get(96..).unwrap_or(&[]).as_chunks().0;
-        for (number, bytes) in upper.iter_mut().zip(saved) {
+        for (number, bytes) in upper.iter_mut().zip(saved).take(uncounted(NUMBERS)) {
+            rolled();
             *number = f64::from_le_bytes(*bytes);
         }
         let fields = || {

@@ -110,7 +110,7 @@ impl Reach {
         let into_spin = motion.scan.boresight_in_spin();
         self.edge = Edge::Rectangle([Cap::NOTHING; 4]);
         if let Edge::Rectangle(sides) = &mut self.edge {
-            for (side, pole) in sides.iter_mut().zip(&poles) {
+            for (side, pole) in sides.iter_mut().zip(poles) {
                 side.set_side(into_spin, pole);
             }
         }
@@ -183,7 +183,8 @@ impl Reach {
     pub(super) fn inside(&self, sight: &Sight) -> bool {
         match &self.edge {
             Edge::Enlarged(enlarged) => enlarged.depth(sight).0 >= 0.0,
-            _ => self.caps().iter().all(|cap| cap.depth(sight).0 >= 0.0),
+            Edge::Circle([cap]) => cap.depth(sight).0 >= 0.0,
+            Edge::Rectangle(_) => self.caps().iter().all(|cap| cap.depth(sight).0 >= 0.0),
         }
     }
 

@@ -160,12 +160,11 @@ impl Search {
     }
 
     /// Whether a whole transit waits to be taken.
-    pub(super) const fn has_found(&self) -> bool {
+    pub(crate) const fn has_found(&self) -> bool {
         matches!(self.state.stage, Stage::Found(_))
     }
 
     /// Takes the transit that waits.
-    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn take(&mut self) -> Option<Transit> {
         let Stage::Found(transit) = self.state.stage else { return None };
         self.state.stage = if transit.exit_clipped { Stage::Done } else { Stage::Outside };

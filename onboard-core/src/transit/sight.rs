@@ -1,6 +1,6 @@
 //! The target as the spinning spacecraft sees it: one evaluation of the search.
 
-use crate::direction::{Direction, DirectionState};
+use crate::direction::DirectionState;
 use crate::ephemeris::{BodyTable, EphemerisError};
 use crate::frame::{AntiSun, Ecliptic};
 use crate::scan::ScanStrategy;
@@ -60,8 +60,8 @@ pub(crate) struct Seen {
 impl Seen {
     /// Before the first evaluation: zeros, which take no place among the read-only data.
     pub(crate) const NOTHING: Self = Self {
-        anti_sun: DirectionState { direction: Direction::NOWHERE, rate_per_s: [0.0; 3] },
-        target: DirectionState { direction: Direction::NOWHERE, rate_per_s: [0.0; 3] },
+        anti_sun: DirectionState::NOWHERE,
+        target: DirectionState::NOWHERE,
         sines: [(0.0, 0.0); 2],
         joint: Instant::from_tai_ns(0),
     };
@@ -101,7 +101,8 @@ impl Seen {
         motion: &Motion,
         sun: &SunModel<'_>,
     ) -> Result<(), EphemerisError> {
-        (self.anti_sun, self.joint) = sun.state_until(motion.scan.parameters().start, at)?;
+        let start = motion.scan.parameters().start;
+        self.joint = sun.place_state(start, at, &mut self.anti_sun)?;
         Ok(())
     }
 
@@ -111,10 +112,17 @@ impl Seen {
         at: Instant,
         target: BodyTable<'_>,
     ) -> Result<(), EphemerisError> {
-        let (state, joint) = target.state_until(at)?;
-        self.target = AntiSunAxes::new(&self.anti_sun).view(&state);
+        let mut state = DirectionState::NOWHERE;
+        let joint = target.place_state(at, &mut state)?;
         self.joint = self.joint.min(joint);
+        self.place_target(&state);
         Ok(())
+    }
+
+    /// Apart, so that it does not lie on the stack below the series.
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn place_target(&mut self, state: &DirectionState<Ecliptic>) {
+        self.target = AntiSunAxes::new(&self.anti_sun).view(state);
     }
 
     #[cfg_attr(target_os = "none", inline(never))]

@@ -20,6 +20,7 @@ use super::slot_layout::{
     Word, commit_word, floor_word, image, is_erased, reads,
 };
 use super::{Container, Header, UplinkError};
+use crate::convert::{rolled, uncounted};
 
 /// The next thing to do to the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -142,9 +143,11 @@ impl<'c> Upload<'c> {
     /// The container's word at this offset of it, filled up with ones.
     #[inline(never)]
     fn word(&self, at: usize) -> Word {
-        let mut word = ERASED;
-        for (to, from) in word.iter_mut().zip(self.candidate.get(at..).unwrap_or(&[])) {
-            *to = *from;
+        let mut bytes = self.candidate.get(at..).unwrap_or(&[]).iter();
+        let mut word = [0; WORD_BYTES];
+        for byte in word.iter_mut().take(uncounted(WORD_BYTES)) {
+            rolled();
+            *byte = bytes.next().copied().unwrap_or(0xff);
         }
         word
     }

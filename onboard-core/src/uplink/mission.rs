@@ -171,7 +171,7 @@ impl<'a> MissionTable<'a> {
         let mut index = 0_u16;
         for record in self.telescopes {
             let telescope = read_telescope(record, index)?;
-            telescope.field_of_view().map_err(MissionError::FieldOfView)?;
+            telescope.field.check().map_err(MissionError::FieldOfView)?;
             index = index.wrapping_add(1);
         }
         let mut index = 0_u16;
@@ -185,11 +185,8 @@ impl<'a> MissionTable<'a> {
             index = index.wrapping_add(1);
         }
         if !self.detectors.is_empty() {
-            FieldOfView::circle(
-                Rotation::<Detector, Boresight>::IDENTITY,
-                self.detector_radius_rad(),
-            )
-            .map_err(MissionError::FieldOfView)?;
+            let field = FieldShape::Circle(self.detector_radius_rad());
+            field.check().map_err(MissionError::FieldOfView)?;
         }
         let mut index = 0_u16;
         for record in self.avoidance {
@@ -274,7 +271,7 @@ impl<'a> MissionTable<'a> {
             self.detectors.get(first..self.detectors_before(telescope_number.wrapping_add(1)))?;
         if own.is_empty() {
             return match index {
-                0 => self.telescope(telescope)?.field_of_view().ok(),
+                0 => self.telescope(telescope).as_ref()?.field_of_view().ok(),
                 _ => None,
             };
         }

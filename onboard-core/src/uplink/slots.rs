@@ -29,14 +29,16 @@
 
 use super::flash::{Revocation, Upload};
 use super::slot_layout::{
-    COMMIT_OFFSET, CONTAINER_OFFSET, Slot, Slots, Word, commit_word, committed_sequence, floor,
-    free_floor, image, is_erased, is_revoked, reads, slot_bytes, whole_header,
+    COMMIT_OFFSET, CONTAINER_OFFSET, Slot, Slots, WORD_BYTES, Word, commit_word,
+    committed_sequence, floor, free_floor, image, is_erased, is_revoked, reads, slot_bytes,
+    whole_header,
 };
 use super::{
     Container, Header, MissionChangeOrder, RollbackOrder, SequenceError, TableError, Tables,
     check_sequence,
 };
 use crate::bytes::{put, u32_at};
+use crate::convert::{rolled, uncounted};
 use crate::time::Instant;
 
 /// What a slot holds.
@@ -345,8 +347,13 @@ impl<'a> Slots<'a> {
 #[must_use]
 #[inline(never)]
 pub fn committed_head(container: &Container<'_>) -> [u8; CONTAINER_OFFSET] {
-    let mut head = [0xff; CONTAINER_OFFSET];
+    let mut head = [0; CONTAINER_OFFSET];
     put(&mut head, COMMIT_OFFSET, own_commit(container));
+    let rest = head.get_mut(COMMIT_OFFSET + WORD_BYTES..).unwrap_or(&mut []);
+    for byte in rest.iter_mut().take(uncounted(CONTAINER_OFFSET)) {
+        rolled();
+        *byte = 0xff;
+    }
     head
 }
 

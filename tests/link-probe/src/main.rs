@@ -367,7 +367,7 @@ probes! {
     session_check_strategy(check: *const SessionCheck) -> &'static ScanStrategy { (&*check).strategy() }
     session_check_verdict(check: *const SessionCheck) -> Option<Result<(), SkipReason>> { (&*check).verdict() }
     session_check_pieces(check: *const SessionCheck) -> u32 { (&*check).pieces() }
-    session_check_uncertainty(check: *const SessionCheck, scan: *const ScanEstimate<'static>) -> Duration { (&*check).uncertainty(|at| (&*scan).covariance_at(at)) }
+    session_check_uncertainty(check: *const SessionCheck, scan: *const ScanEstimate<'static>) -> Duration { (&*check).uncertainty(&*scan) }
     session_check_advance(check: *mut SessionCheck, question: *const Question<'static, 'static>, steps: u16) -> u32 { (&mut *check).advance(&*question, steps) }
     sequencer_new(settings: Settings) -> Result<Sequencer, SettingsError> { Sequencer::new(settings) }
     sequencer_state(sequencer: *const Sequencer) -> State { (&*sequencer).state() }
