@@ -128,7 +128,7 @@ impl FieldOfView {
         frame: Rotation<F, Boresight>,
         radius_rad: f64,
     ) -> Result<Self, FieldOfViewError> {
-        Self::of_circle(frame.from_any(), radius_rad)
+        Self::of_circle(frame.of_any_frame(), radius_rad)
     }
 
     #[inline(never)]
@@ -151,7 +151,7 @@ impl FieldOfView {
         width_rad: f64,
         height_rad: f64,
     ) -> Result<Self, FieldOfViewError> {
-        Self::of_rectangle(frame.from_any(), width_rad, height_rad)
+        Self::of_rectangle(frame.of_any_frame(), width_rad, height_rad)
     }
 
     #[inline(never)]

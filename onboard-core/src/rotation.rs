@@ -155,7 +155,7 @@ impl<A, B> Rotation<A, B> {
     }
 
     /// The same numbers, from any frame: for code that would otherwise stand once per frame.
-    pub(crate) const fn from_any<C>(self) -> Rotation<C, B> {
+    pub(crate) const fn of_any_frame<C>(self) -> Rotation<C, B> {
         Rotation { quaternion: self.quaternion, frames: PhantomData }
     }
 
