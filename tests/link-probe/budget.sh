@@ -31,7 +31,7 @@ while read -r fault words; do
     for build in x86-64-3 m7-s; do
         [ "$fault $build" != "bad-frame x86-64-3" ] || continue # has no limit
         link "$build" --features "$fault"
-        if said=$(budget "$here/../firmware" "$build=$binary" 2>&1) || ! grep -q "$words" <<<"$said"; then
+        if said=$(budget --fault "$here/../firmware" "$build=$binary" 2>&1) || ! grep -q "$words" <<<"$said"; then
             echo "budget: the seeded fault $fault went unnoticed on $build: $said" >&2
             exit 1
         fi

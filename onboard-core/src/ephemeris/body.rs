@@ -6,7 +6,7 @@
 use super::error::EphemerisError;
 use super::record::{BODY_BYTES, SPAN_BYTES, Span};
 use crate::bytes::{f64_at, i64_at, u16_at, u32_at, u64_at};
-use crate::convert::{f64_from_u64, index_from_u32, index_from_u64, u32_from_f64};
+use crate::convert::{f64_from_u64, index_from_u32, index_from_u64, rolled, u32_from_f64};
 use crate::direction::{Direction, DirectionState, MotionBounds};
 use crate::frame::Ecliptic;
 use crate::time::Instant;
@@ -56,7 +56,7 @@ impl BodyTable<'_> {
     /// [`EphemerisError::OutOfSpan`] as [`Self::state`].
     pub(crate) fn direction(self, at: Instant) -> Result<Direction<Ecliptic>, EphemerisError> {
         let series = self.series(at).ok_or(EphemerisError::OutOfSpan(at))?;
-        let (value, _) = chebyshev(series.orders, series.x);
+        let value = chebyshev_value(series.orders, series.x);
         Direction::from_nearly_unit(value).ok_or(EphemerisError::OutOfSpan(at))
     }
 
@@ -173,6 +173,23 @@ fn moving(
     }
     *state = DirectionState { direction, rate_per_s: [rate.x, rate.y, rate.z] };
     Some(())
+}
+
+/// `sum_k c_k T_k(x)`, with the bits of [`chebyshev`].
+#[cfg_attr(target_os = "none", inline(never))]
+fn chebyshev_value(series: &[[u8; ORDER_BYTES]], x: f64) -> Vector3<f64> {
+    let Some((constant, higher)) = series.split_first() else {
+        return Vector3::new(0.0, 0.0, 0.0);
+    };
+    let two_x = 2.0 * x;
+    let mut value = coefficient(constant);
+    let (mut first, mut first_before) = (x, 1.0);
+    for order in higher {
+        rolled();
+        value = plus(value, times(coefficient(order), first));
+        (first_before, first) = (first, two_x * first - first_before);
+    }
+    value
 }
 
 /// `sum_k c_k T_k(x)` and its derivative `sum_k c_k k U_{k-1}(x)`, by the recurrences of both kinds.

@@ -3,7 +3,8 @@
 //! `budget [--update] [--all] FOLDER BUILD=BINARY...`: FOLDER holds `budget.toml` (limits and the
 //! last recorded worst values) and `stack.csv` (every entry point's recorded stack). Prints each value
 //! with its limit, its recorded value and the difference; exits 1 above a limit or where no bound on
-//! the stack can be given. `--update` records the new values, `--all` lists every entry point.
+//! the stack can be given. `--update` records the new values, `--all` lists every entry point, `--fault`
+//! looks at a binary without the entry points.
 //! The environment's `OBJDUMP` and `OBJDUMP_ARM` name the disassemblers.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -37,7 +38,8 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let (options, rest): (Vec<_>, Vec<_>) =
         arguments.iter().map(String::as_str).partition(|argument| argument.starts_with("--"));
-    if let Some(unknown) = options.iter().find(|option| !["--update", "--all"].contains(option)) {
+    let known = ["--update", "--all", "--fault"];
+    if let Some(unknown) = options.iter().find(|option| !known.contains(option)) {
         return Err(format!("no such option: {unknown}").into());
     }
     let [folder, builds @ ..] = &*rest else { return Err("which folder?".into()) };
@@ -46,7 +48,10 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let mut document: DocumentMut = std::fs::read_to_string(&budget)
         .map_err(|error| format!("{}: {error}", budget.display()))?
         .parse()?;
-    let entries = entry_points(&folder.join("../link-probe/src/main.rs"))?;
+    let mut entries = entry_points(&folder.join("../link-probe/src/main.rs"))?;
+    if options.contains(&"--fault") {
+        entries.clear();
+    }
     let mut measured = Vec::new();
     for build in builds {
         let (name, path) = build.split_once('=').ok_or("a build is NAME=BINARY")?;
