@@ -119,8 +119,11 @@ fn measure(
     Ok(Measured { build: build.into(), sizes, depths })
 }
 
-/// The limit of a section, where it binds this build.
+/// The limit of a section, where it binds this build: the build's own, else the section's.
 fn limit(document: &DocumentMut, section: &str, build: &str) -> Option<u64> {
+    if let Some(own) = number(document, section, build, "limit_bytes") {
+        return Some(own);
+    }
     let section = document.get(section)?;
     let binds = section.get("limited")?.as_array()?.iter().any(|name| name.as_str() == Some(build));
     u64::try_from(section.get("limit_bytes")?.as_integer()?).ok().filter(|_| binds)
