@@ -24,7 +24,7 @@ const QUARTER_LOW: f64 = 6.077_100_506_506_192e-11;
 
 /// Sine and cosine of an angle in radians; NaN for what is not finite.
 #[must_use]
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(crate) fn sin_cos(angle_rad: f64) -> (f64, f64) {
     let angle = if libm::fabs(angle_rad) > LONGEST_RAD {
         let turns = angle_rad / TAU;
@@ -60,7 +60,7 @@ const fn turned((sin, cos): (f64, f64), quarters: i32) -> (f64, f64) {
 }
 
 /// Sine and cosine of an angle of at most an eighth of a turn and so many quarter turns, 0 to 3.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(crate) const fn sin_cos_of(rest_rad: f64, quarters: i32) -> (f64, f64) {
     turned(sin_cos_eighth(rest_rad), quarters)
 }

@@ -127,7 +127,7 @@ impl Channel<'_> {
     }
 
     /// Standard deviation in seconds of an edge; `sense` is the sign of f' there.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn edge(
         &self,
         at: Instant,
@@ -139,7 +139,7 @@ impl Channel<'_> {
         Ok(ratio(libm::sqrt(covariance.along(gradient)), rate))
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn passage(&self, at: Instant, covariance: &ScanCovariance) -> Result<Passage, EphemerisError> {
         let sight = self.sight_at(at)?;
         let (motion, reach) = (self.motion(), self.reach());
@@ -155,7 +155,7 @@ impl Channel<'_> {
 impl Search {
     /// By how many seconds an edge moves per radian of error in precession phase, alpha and spin
     /// phase; `sense` is the sign of f' there. Makes an evaluation, which counts as the search's.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn edge_slopes_s(
         &mut self,
         at: Instant,
@@ -193,7 +193,7 @@ struct Passage {
 
 impl Passage {
     /// The target circles the axis of `turning`; its own motion is negligible against that.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn new(
         axes: &Axes,
         turning: &Vector3<f64>,
@@ -239,7 +239,7 @@ impl Passage {
 /// With `w' = q - Omega x w`, q the target's own motion, and an axis k that turns at k':
 /// `dw'/dx = -k' x w - k x w'` and `w'' = -Omega' x w - Omega x (w' + q)`, q' negligible. Fixed in
 /// space, the precession's and alpha's axes turn at `-spin z x k` in the spin frame.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 fn closest_sigma_s(
     sight: &Sight,
     axes: &Axes,
