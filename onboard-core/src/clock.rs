@@ -33,6 +33,7 @@ const MAGIC: [u8; 8] = *b"GYRCLOCK";
 
 /// Why a record is refused, or has no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ClockError {
     /// The first bytes are not the magic.
     NotACorrelation,

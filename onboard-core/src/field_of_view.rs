@@ -35,8 +35,13 @@ pub enum FieldOfViewError {
 pub enum FieldShape {
     /// A circle of this radius.
     Circle(f64),
-    /// A rectangle of this width (along y) and height (along x).
-    Rectangle(f64, f64),
+    /// A rectangle.
+    Rectangle {
+        /// Its width, along y.
+        width_rad: f64,
+        /// Its height, along x.
+        height_rad: f64,
+    },
 }
 
 /// A set of directions fixed in the spacecraft.
@@ -68,7 +73,7 @@ impl FieldOfView {
     pub(crate) fn to_le_bytes(self) -> [u8; FIELD_BYTES] {
         let (first, second) = match self.shape {
             FieldShape::Circle(radius) => (radius, 0.0),
-            FieldShape::Rectangle(width, height) => (width, height),
+            FieldShape::Rectangle { width_rad, height_rad } => (width_rad, height_rad),
         };
         let axis = match self.caps {
             Caps::Circle => Vector3::zeros(),
@@ -94,7 +99,9 @@ impl FieldOfView {
     ) -> Result<Self, FieldOfViewError> {
         match shape {
             FieldShape::Circle(radius) => Self::circle(frame, radius),
-            FieldShape::Rectangle(width, height) => Self::rectangle(frame, width, height),
+            FieldShape::Rectangle { width_rad, height_rad } => {
+                Self::rectangle(frame, width_rad, height_rad)
+            }
         }
     }
 
@@ -134,7 +141,7 @@ impl FieldOfView {
         // A corner lies at (tan h/2, tan w/2, 1).
         let (tan_w, tan_h) = (sin_w / cos_w, sin_h / cos_h);
         Ok(Self {
-            shape: FieldShape::Rectangle(width_rad, height_rad),
+            shape: FieldShape::Rectangle { width_rad, height_rad },
             centre: axis(0.0, 0.0, 1.0),
             reach_rad: libm::atan(libm::hypot(tan_w, tan_h)),
             margin_rad: 0.0,

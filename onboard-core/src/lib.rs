@@ -98,4 +98,5 @@ pub mod uplink;
 pub mod clock;
 pub mod record;
 pub mod sequencer;
+pub mod telemetry;
 mod sentence;

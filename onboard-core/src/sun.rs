@@ -135,7 +135,7 @@ impl AntiSunAxes {
 
     /// A direction's components in [`AntiSun`], and their rate, the frame's own motion included.
     #[must_use]
-    pub fn view(&self, target: &DirectionState<Ecliptic>) -> DirectionState<AntiSun> {
+    pub fn in_anti_sun(&self, target: &DirectionState<Ecliptic>) -> DirectionState<AntiSun> {
         let p = target.direction.vector();
         let [vx, vy, vz] = target.rate_per_s;
         let relative = Vector3::new(vx, vy, vz) - self.angular_velocity.cross(&p);
@@ -210,7 +210,7 @@ mod tests {
                 rate_per_s: [0.0; 3],
             };
             let axes = AntiSunAxes::new(&sun);
-            let there = axes.view(&DirectionState {
+            let there = axes.in_anti_sun(&DirectionState {
                 direction: Direction::from_longitude_latitude(0.3, 0.4),
                 rate_per_s: [0.0; 3],
             });
@@ -246,7 +246,7 @@ mod tests {
             for (a, b) in whole.iter().zip(direct.iter()) {
                 prop_assert!((a - b).abs() < 1e-14 / lat.cos());
             }
-            let at = |t: f64| AntiSunAxes::new(&sun(t)).view(&target);
+            let at = |t: f64| AntiSunAxes::new(&sun(t)).in_anti_sun(&target);
             let (after, before) = (at(h).direction.xyz(), at(-h).direction.xyz());
             for ((a, b), rate) in after.iter().zip(before).zip(at(0.0).rate_per_s) {
                 prop_assert!(((a - b) / (2.0 * h) - rate).abs() < 1e-8 / lat.cos().powi(3));

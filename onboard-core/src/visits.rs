@@ -264,6 +264,7 @@ pub struct Divisions {
 
 /// Why a visit is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum VisitError {
     /// No target has this index.
     NoSuchTarget(usize),

@@ -8,8 +8,8 @@
 //! in time.
 //!
 //! Rules:
-//! - A new sequencer is safe. Without a valid clock, or sound tables that are valid now, the state is
-//!   safe. It is left only by [`Sequencer::resume`], ordered since it was entered, and only when both
+//! - A new sequencer is safe. Without a valid clock of the tables' spacecraft, or sound tables that are
+//!   valid now, the state is safe. It is left only by [`Sequencer::resume`], ordered since it was entered, and only when both
 //!   are there.
 //! - Time that runs backwards by more than the longest gap between ticks leads to safe; by less, it
 //!   stands still until the counter has caught up. A jump forwards by more than the longest gap
@@ -44,7 +44,7 @@ pub use reason::{AbortReason, SafeReason, SkipReason, State};
 pub use settings::{Settings, SettingsError};
 pub use watch::MAX_LOOKS_PER_TICK;
 
-use crate::clock::ClockCorrelation;
+use crate::clock::{ClockCorrelation, ClockError};
 use crate::scan::ScanStrategy;
 use crate::time::{Duration, Instant};
 use crate::uplink::{SessionRecord, Tables};
@@ -226,6 +226,13 @@ impl Sequencer {
             return Err(SafeReason::Commanded);
         }
         let clock = situation.clock.ok_or(SafeReason::NoClock)?;
+        if let Some(tables) = situation.tables
+            && clock.spacecraft != tables.header().spacecraft
+        {
+            let flown = tables.header().spacecraft;
+            let other = ClockError::OtherSpacecraft { record: clock.spacecraft, flown };
+            return Err(SafeReason::Clock(other));
+        }
         let now = clock.instant(situation.ticks).map_err(SafeReason::Clock)?;
         let tables = situation.tables.ok_or(SafeReason::NoTables)?;
         if situation.tables_damaged {

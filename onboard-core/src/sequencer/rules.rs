@@ -119,6 +119,24 @@ fn without_clock_tables_or_telescope_it_is_safe() {
 }
 
 #[test]
+// REQ-SEQ-2.
+fn another_spacecrafts_clock_is_safe() {
+    let session = session();
+    let bytes = Board::default().uplink(1, &[session]);
+    let mut flight = Flight::new(&bytes);
+    flight.run(later(session.start, -3600), later(session.start, 10));
+    assert_eq!(flight.tick(later(session.start, 20)), State::Setup(0));
+    flight.clock = Some(ClockCorrelation { spacecraft: 2, ..CLOCK });
+    let other = ClockError::OtherSpacecraft { record: 2, flown: 1 };
+    let safe = State::Safe(SafeReason::Clock(other));
+    assert_eq!(flight.tick(later(session.start, 30)), safe);
+    flight.sequencer.resume();
+    assert_eq!(flight.tick(later(session.start, 40)), safe, "as long as it is another's");
+    flight.clock = Some(CLOCK);
+    assert_eq!(flight.tick(later(session.start, 50)), State::Idle);
+}
+
+#[test]
 // REQ-SEQ-3.
 fn time_may_run_back_by_the_longest_gap_and_no_more() {
     let bytes = Board::default().uplink(1, &[]);

@@ -78,6 +78,7 @@ pub struct Residuals {
 
 /// Why a measurement was refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum MeasurementRefusal {
     /// The noise (rad) is not in [`SIGMAS_RAD`].
     Sigma(f64),

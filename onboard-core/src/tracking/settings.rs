@@ -60,6 +60,7 @@ pub struct TrackerSettings {
 
 /// Why settings are illegal.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum TrackerSettingsError {
     /// An angle's prior standard deviation (rad).
     AngleSigma(ScanAngle, f64),

@@ -68,7 +68,7 @@ impl Reach {
         (self.core_rad, self.margin_rad) = match field.shape() {
             FieldShape::Circle(radius) if margin > 0.0 => (radius, field.reach_rad()),
             FieldShape::Circle(_) => (0.0, field.reach_rad()),
-            FieldShape::Rectangle(..) => (0.0, margin),
+            FieldShape::Rectangle { .. } => (0.0, margin),
         };
         self.set_gates(motion, field.reach_rad());
         self.set_edge(motion, field);
@@ -86,10 +86,10 @@ impl Reach {
     fn set_edge(&mut self, motion: &Motion, field: &FieldOfView) {
         match field.shape() {
             FieldShape::Circle(_) => self.edge = Edge::Circle([self.circle(field.reach_rad())]),
-            FieldShape::Rectangle(..) if field.margin_rad() > 0.0 => {
+            FieldShape::Rectangle { .. } if field.margin_rad() > 0.0 => {
                 self.set_enlarged(motion, field);
             }
-            FieldShape::Rectangle(..) => self.set_sides(motion, field),
+            FieldShape::Rectangle { .. } => self.set_sides(motion, field),
         }
     }
 

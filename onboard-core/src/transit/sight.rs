@@ -112,7 +112,7 @@ impl Seen {
         target: BodyTable<'_>,
     ) -> Result<(), EphemerisError> {
         let (state, joint) = target.state_until(at)?;
-        self.target = AntiSunAxes::new(&self.anti_sun).view(&state);
+        self.target = AntiSunAxes::new(&self.anti_sun).in_anti_sun(&state);
         self.joint = self.joint.min(joint);
         Ok(())
     }

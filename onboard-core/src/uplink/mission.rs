@@ -51,6 +51,7 @@ const AVOIDANCE_BYTES: usize = 16;
 
 /// Why a mission section is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum MissionError {
     /// Fewer or more bytes than the numbers of records say.
     WrongLength,
@@ -317,7 +318,7 @@ impl TelescopeRecord {
         }
         let (first, second, shape) = match self.field {
             FieldShape::Circle(radius) => (radius, 0.0, 1_u16),
-            FieldShape::Rectangle(width, height) => (width, height, 2_u16),
+            FieldShape::Rectangle { width_rad, height_rad } => (width_rad, height_rad, 2_u16),
         };
         put(&mut bytes, 56, first.to_le_bytes());
         put(&mut bytes, 64, second.to_le_bytes());
@@ -411,7 +412,7 @@ fn read_telescope(
     let (first, second) = (number(56)?, number(64)?);
     let shape_record = match u16_at(record, 72) {
         Some(1) if second.to_bits() == 0 => FieldShape::Circle(first),
-        Some(2) => FieldShape::Rectangle(first, second),
+        Some(2) => FieldShape::Rectangle { width_rad: first, height_rad: second },
         _ => return Err(bad),
     };
     let turning = plate.rate.bits() != 0;
@@ -450,7 +451,7 @@ mod tests {
         let mut bytes = MissionTable::fixed_to_le_bytes(&parameters, sun, counts, 0.01).to_vec();
         for (hwp, field) in [
             (Some(rotor(1 << 95, 6)), FieldShape::Circle(0.2)),
-            (None, FieldShape::Rectangle(0.3, 0.1)),
+            (None, FieldShape::Rectangle { width_rad: 0.3, height_rad: 0.1 }),
         ] {
             let telescope = TelescopeRecord { rotation: Rotation::about_z(0.5), hwp, field };
             bytes.extend(telescope.to_le_bytes());
@@ -472,7 +473,7 @@ mod tests {
         assert_eq!(telescopes.len(), 2);
         assert_eq!(telescopes[0].field, FieldShape::Circle(0.2));
         assert!(telescopes[0].hwp.is_some() && telescopes[1].hwp.is_none());
-        assert_eq!(telescopes[1].field, FieldShape::Rectangle(0.3, 0.1));
+        assert_eq!(telescopes[1].field, FieldShape::Rectangle { width_rad: 0.3, height_rad: 0.1 });
         assert_eq!(mission.detectors().count(), 3);
         let limits: Vec<_> = mission.avoidance().collect();
         assert_eq!(limits, [AvoidanceRecord { body: 399, angle_rad: 0.5 }]);

@@ -54,7 +54,7 @@ pub use mission::{
 pub use mission_change::{MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder};
 pub use plan::{PlanError, PlanTable, SESSION_BYTES, SessionRecord};
 pub use rollback::{ROLLBACK_BYTES, RollbackError, RollbackOrder};
-pub use scrub::{SCRUB_BYTES, Scrub, ScrubStep};
+pub use scrub::{SCRUB_BYTES, Scrub, ScrubProgress, ScrubStep};
 pub use sequence::{MAX_SEQUENCE_STEP, SequenceError, check_sequence};
 pub use slot_layout::{
     COMMIT_OFFSET, CONTAINER_OFFSET, ERASED, FLOOR_OFFSET, FLOOR_WORDS, REVOKED_OFFSET, Slot,
@@ -109,6 +109,7 @@ impl SectionKind {
 
 /// Why a container is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum UplinkError {
     /// Shorter than a header, or than the length in it (the bytes needed).
     Truncated(u32),

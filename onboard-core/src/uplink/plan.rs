@@ -21,6 +21,7 @@ pub const SESSION_BYTES: usize = 48;
 
 /// Why a plan section is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PlanError {
     /// Fewer or more bytes than the number of sessions says.
     WrongLength,

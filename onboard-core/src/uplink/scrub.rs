@@ -31,6 +31,15 @@ pub enum ScrubStep {
     Damaged(UplinkError),
 }
 
+/// How far a round has come, in bytes of the container.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ScrubProgress {
+    /// The next byte.
+    pub at: u32,
+    /// Bytes of the container.
+    pub length: u32,
+}
+
 /// A region under one CRC.
 #[derive(Debug, Clone, Copy)]
 struct Region {
@@ -86,6 +95,12 @@ impl<'a> Scrub<'a> {
         // A round ends each region's last step early, and there are at most sections + 2 of them.
         let whole = self.length.div_ceil(SCRUB_BYTES);
         whole.saturating_add(self.sections).saturating_add(2).saturating_mul(2)
+    }
+
+    /// How far this round has come.
+    #[must_use]
+    pub const fn progress(&self) -> ScrubProgress {
+        ScrubProgress { at: self.at, length: self.length }
     }
 
     /// Looks at the next bytes; after the last region the next round begins.

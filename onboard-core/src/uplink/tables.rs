@@ -13,6 +13,7 @@ use crate::sun::SunModel;
 
 /// Why a container's contents are refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum TableError {
     /// The container itself.
     Container(UplinkError),

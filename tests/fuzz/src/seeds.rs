@@ -69,7 +69,7 @@ fn full_mission(sun: SunRecord) -> Vec<u8> {
     let rectangle = TelescopeRecord {
         rotation: Rotation::<Telescope, Boresight>::about_y(0.1),
         hwp: Some(plate),
-        field: FieldShape::Rectangle(0.3, 0.15),
+        field: FieldShape::Rectangle { width_rad: 0.3, height_rad: 0.15 },
     };
     bytes.extend(telescope().to_le_bytes());
     bytes.extend(rectangle.to_le_bytes());

@@ -180,7 +180,7 @@ probes! {
     sun_model_state(sun: &'static SunModel<'static>, start: Instant, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> { sun.state(start, at) }
     sun_model_bounds(sun: &'static SunModel<'static>) -> MotionBounds { sun.bounds() }
     anti_sun_axes_new(sun: &'static DirectionState<Ecliptic>) -> AntiSunAxes { AntiSunAxes::new(sun) }
-    anti_sun_axes_view(axes: &'static AntiSunAxes, target: &'static DirectionState<Ecliptic>) -> DirectionState<AntiSun> { axes.view(target) }
+    anti_sun_axes_in_anti_sun(axes: &'static AntiSunAxes, target: &'static DirectionState<Ecliptic>) -> DirectionState<AntiSun> { axes.in_anti_sun(target) }
     anti_sun_axes_angular_velocity_rad_s(axes: &'static AntiSunAxes) -> [f64; 3] { axes.angular_velocity_rad_s() }
     anti_sun_axes_rotation(axes: &'static AntiSunAxes) -> Rotation<AntiSun, Ecliptic> { axes.rotation() }
 
