@@ -118,12 +118,10 @@ static void carry_out(const gyr_flash_operation_t *operation) {
 
 /* Brings a container into the slot that is not active. */
 static gyr_error_t bring(const uint8_t *container, size_t length, int64_t now) {
-    gyr_bytes_t candidate;
+    const gyr_bytes_t candidate = {container, length};
     gyr_flash_operation_t operation;
     uint32_t slot;
     uint32_t programmed = 0;
-    candidate.first = container;
-    candidate.length = length;
     MUST(gyr_slots_admit(&slots, &candidate, now, &upload));
     MUST(gyr_upload_slot(&upload, &slot));
     tell("written", slot);
@@ -411,17 +409,13 @@ static const gyr_tracker_settings_t tracker_settings = {
 };
 
 static gyr_error_t prepare(const gyr_header_t *header) {
-    gyr_sequencer_settings_t how;
     gyr_channel_t wanted[GYR_CHANNELS];
     const uint32_t count = channels(header, wanted);
+    const gyr_sequencer_settings_t how = {
+        .tolerance_ns = SECOND, .longest_gap_ns = 2 * CYCLE_S * SECOND,
+        .check_ahead_ns = 3600 * SECOND, .recheck_rad = 1e-3,
+        .telescope = count > 0 ? wanted[0].telescope : 0, .steps_per_tick = 8};
     uint32_t index;
-    how.tolerance_ns = SECOND;
-    how.longest_gap_ns = 2 * CYCLE_S * SECOND;
-    how.check_ahead_ns = 3600 * SECOND;
-    how.recheck_rad = 1e-3;
-    how.telescope = count > 0 ? wanted[0].telescope : 0;
-    how.passes_tolerance = 0;
-    how.steps_per_tick = 8;
     MUST(believe());
     MUST(gyr_tracker_init(&tracker, &believed, &tracker_settings, header->valid_from_tai_ns));
     MUST(gyr_scrub_init(&scrub, &tables));
@@ -470,15 +464,11 @@ static void tell_state(const gyr_state_t *state) {
 
 static gyr_error_t tick(uint64_t ticks, uint32_t damaged, uint32_t spacecraft) {
     uint8_t payload[GYR_EVENT_BYTES];
-    gyr_situation_t situation;
+    const gyr_situation_t situation = {.ticks = ticks, .clock = &correlation, .tables = &tables,
+                                       .tracker = &tracker, .tables_damaged = damaged};
     gyr_tick_t brought;
     gyr_event_t event;
     gyr_error_t code;
-    situation.ticks = ticks;
-    situation.clock = &correlation;
-    situation.tables = &tables;
-    situation.tracker = &tracker;
-    situation.tables_damaged = damaged;
     MUST(gyr_sequencer_tick(&sequencer, &situation, &brought));
     tell_state(&brought.state);
     tell("evaluations", brought.evaluations);
@@ -504,19 +494,11 @@ static gyr_error_t tick(uint64_t ticks, uint32_t damaged, uint32_t spacecraft) {
 /* Housekeeping of the telescope, in a packet of APID 291. */
 static gyr_error_t report(uint64_t ticks, uint32_t spacecraft, uint16_t count) {
     uint8_t packet[GYR_PACKET_HEADER_BYTES + GYR_HOUSEKEEPING_BYTES];
-    gyr_housekeeping_t housekeeping;
     gyr_next_visit_t next;
-    gyr_error_t code = gyr_forecast_next(&forecast, 0, &next);
-    housekeeping.ticks = ticks;
-    housekeeping.sequencer = &sequencer;
-    housekeeping.clock = &correlation;
-    housekeeping.tables = &tables;
-    housekeeping.tracker = &tracker;
-    housekeeping.scrub = &scrub;
-    housekeeping.visit = code == GYR_OK ? &next : NULL;
-    housekeeping.body = 0;
-    housekeeping.spacecraft = spacecraft;
-    housekeeping.tables_damaged = 0;
+    const bool known = gyr_forecast_next(&forecast, 0, &next) == GYR_OK;
+    const gyr_housekeeping_t housekeeping = {
+        .ticks = ticks, .sequencer = &sequencer, .clock = &correlation, .tables = &tables,
+        .tracker = &tracker, .scrub = &scrub, .visit = known ? &next : NULL, .spacecraft = spacecraft};
     MUST(gyr_packet_header(291, count, GYR_HOUSEKEEPING_BYTES, packet, GYR_PACKET_HEADER_BYTES));
     MUST(gyr_telemetry_housekeeping(&housekeeping, packet + GYR_PACKET_HEADER_BYTES,
                                     GYR_HOUSEKEEPING_BYTES));

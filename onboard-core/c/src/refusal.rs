@@ -234,7 +234,6 @@ impl From<ClockError> for gyr_error_t {
             ClockError::Sequence(SequenceError::StepTooLarge { .. }) => {
                 Self::GYR_CLOCK_STEP_TOO_LARGE
             }
-            ClockError::Sequence(_) => Self::GYR_UNNAMED,
             ClockError::OtherSpacecraft { .. } => Self::GYR_CLOCK_OTHER_SPACECRAFT,
             ClockError::NotYetValid(_) => Self::GYR_CLOCK_NOT_YET_VALID,
             ClockError::Expired(_) => Self::GYR_CLOCK_EXPIRED,

@@ -192,7 +192,7 @@ mod tests {
     fn payloads_and_the_header_have_the_same_codes() {
         let mut reasons = 0;
         for (kind, state) in (1..=8).flat_map(|kind| (0..=5).map(move |state| (kind, state))) {
-            for reason in 0..=u16::MAX {
+            for reason in 0..=999 {
                 let Some(found) = event(kind, state, reason) else { continue };
                 let given: gyr_event_t = Stamped { ticks: 0, event: found }.into();
                 assert_eq!(given.kind, u32::from(kind));

@@ -124,14 +124,12 @@ fn another_spacecrafts_clock_is_safe() {
     let session = session();
     let bytes = Board::default().uplink(1, &[session]);
     let mut flight = Flight::new(&bytes);
-    flight.run(later(session.start, -3600), later(session.start, 10));
-    assert_eq!(flight.tick(later(session.start, 20)), State::Setup(0));
+    flight.run(later(session.start, -3600), later(session.start, 20));
     flight.clock = Some(ClockCorrelation { spacecraft: 2, ..CLOCK });
-    let other = ClockError::OtherSpacecraft { record: 2, flown: 1 };
-    let safe = State::Safe(SafeReason::Clock(other));
-    assert_eq!(flight.tick(later(session.start, 30)), safe);
+    let other = SafeReason::Clock(ClockError::OtherSpacecraft { record: 2, flown: 1 });
+    assert_eq!(flight.tick(later(session.start, 30)), State::Safe(other));
     flight.sequencer.resume();
-    assert_eq!(flight.tick(later(session.start, 40)), safe, "as long as it is another's");
+    assert_eq!(flight.tick(later(session.start, 40)), State::Safe(other), "as long as it lasts");
     flight.clock = Some(CLOCK);
     assert_eq!(flight.tick(later(session.start, 50)), State::Idle);
 }
