@@ -58,7 +58,7 @@ fn flight() -> Flight {
     let telescope = (0..count).max_by_key(|it| of(*it)).unwrap();
     assert!(of(telescope) > 3);
     let (events, housekeeping) = fly(&tables, telescope);
-    Flight { folder, telescope, events, housekeeping, bytes }
+    Flight { folder, bytes, telescope, events, housekeeping }
 }
 
 fn fly(tables: &Tables<'_>, telescope: u16) -> (Vec<EventReport>, Vec<Housekeeping>) {
