@@ -74,7 +74,8 @@ fn run() -> Result<bool, Box<dyn Error>> {
     Ok(within)
 }
 
-/// The names of the link probe's functions, one per line of its source.
+/// The names of the link probe's functions, one per line of its source; without those of hosts alone,
+/// which stand below a `#[cfg]`.
 fn entry_points(probe: &Path) -> Result<BTreeSet<String>, Box<dyn Error>> {
     let source =
         std::fs::read_to_string(probe).map_err(|error| format!("{}: {error}", probe.display()))?;
@@ -83,7 +84,9 @@ fn entry_points(probe: &Path) -> Result<BTreeSet<String>, Box<dyn Error>> {
         let plain = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
         (plain && rest.contains(") -> ") && rest.ends_with(" }")).then(|| name.to_owned())
     };
-    Ok(source.lines().filter_map(name).collect())
+    let lines = source.lines().zip(source.lines().skip(1));
+    let everywhere = lines.filter(|(before, _)| !before.starts_with("    #[cfg("));
+    Ok(everywhere.filter_map(|(_, line)| name(line)).collect())
 }
 
 fn measure(
