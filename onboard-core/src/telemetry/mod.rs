@@ -2,7 +2,7 @@
 //!
 //! An [`EventReport`] is one event of a sequencer, [`Housekeeping`] the state of one telescope's
 //! sequencer with tables, clock, tracker, scrub and forecast. Each becomes a payload of its own fixed
-//! length, the user data field of a CCSDS space packet [CCSDS133], whose header a [`PacketHeader`]
+//! length, the user data field of a CCSDS space packet \[CCSDS133\], whose header a [`PacketHeader`]
 //! writes. `docs/telemetry.md` has the layouts and the codes.
 //!
 //! Method: a payload is a row of unsigned words of 1, 2, 4 or 8 bytes, big-endian as in CCSDS, and a

@@ -1,4 +1,4 @@
-//! The primary header of a CCSDS space packet [CCSDS133, 4.1.3], around a payload.
+//! The primary header of a CCSDS space packet \[CCSDS133, 4.1.3\], around a payload.
 //!
 //! Six bytes, big-endian: version 000, type 0 (telemetry), secondary header flag, APID of 11 bits;
 //! sequence flags 11 (a packet of its own) and a count of 14 bits; the data field's bytes less one.
