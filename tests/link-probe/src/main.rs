@@ -58,9 +58,10 @@ use onboard_core::uplink::{
     Active, AvoidanceRecord, Container, Counts, DetectorRecord, FlashError, FlashOperation, Header,
     MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder, MissionError, MissionTable,
     NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Revocation, RollbackError, RollbackOrder,
-    RollbackRefusal, SESSION_BYTES, Scrub, ScrubProgress, ScrubStep, SectionKind, SequenceError, SessionRecord,
-    SetDigest, Slot, SlotState, Slots, SunRecord, TableError, Tables, TelescopeRecord, UplinkError,
-    Upload, UploadRefusal, check_sequence, checksum, committed_head, entry_to_le_bytes, slot_bytes,
+    RollbackRefusal, SESSION_BYTES, Scrub, ScrubProgress, ScrubStep, SectionKind, SequenceError,
+    SessionRecord, SetDigest, Slot, SlotState, Slots, SunRecord, TableError, Tables,
+    TelescopeRecord, UplinkError, Upload, UploadRefusal, check_sequence, checksum, committed_head,
+    entry_to_le_bytes, slot_bytes,
 };
 
 use onboard_core::visits::{
