@@ -352,3 +352,186 @@ fn window(question: &Question<'_, '_>) -> (Instant, Instant) {
     let until = question.session.last_exit.plus(Duration::from_ns(margin));
     (from.max(valid_from), until.min(valid_until))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{BODY, Board, SECOND, later, sessions, strategy, turned};
+    use super::*;
+    use crate::uplink::Tables;
+
+    fn session() -> SessionRecord {
+        *sessions().first().expect("a session")
+    }
+
+    fn with_question<R>(session: &SessionRecord, then: impl FnOnce(&Question<'_, '_>) -> R) -> R {
+        let bytes = Board::default().uplink(1, &[]);
+        let tables = Tables::load(&bytes).unwrap();
+        then(&Question {
+            session,
+            mission: tables.mission(),
+            ephemeris: tables.ephemeris(),
+            validity: (tables.header().valid_from, tables.header().valid_until),
+            tolerance: Duration::from_ns(SECOND),
+            passes_tolerance: 1,
+        })
+    }
+
+    /// The check at its end, and how many calls that took.
+    fn checked(mut check: SessionCheck, question: &Question<'_, '_>) -> (SessionCheck, u32) {
+        let mut calls = 0;
+        while check.verdict().is_none() {
+            check.advance(question, 3);
+            calls += 1;
+        }
+        (check, calls)
+    }
+
+    fn pass(entry_s: i64, exit_s: i64) -> Transit {
+        let at = |seconds| later(Instant::from_tai_ns(0), seconds);
+        Transit {
+            channel: 0,
+            entry: at(entry_s),
+            exit: at(exit_s),
+            closest: at(entry_s),
+            min_separation_rad: 0.0,
+            entry_clipped: false,
+            exit_clipped: false,
+        }
+    }
+
+    /// A check that has seen one pass from 10 s to 20 s, the slopes of its edges known.
+    fn noted() -> SessionCheck {
+        let mut check = SessionCheck::WAITING;
+        assert!(check.note(&pass(10, 20)));
+        for edge in [&mut check.first_entry, &mut check.last_exit].into_iter().flatten() {
+            edge.slopes_s = Some([1.0; 3]);
+        }
+        check
+    }
+
+    fn edges_s(check: &SessionCheck) -> [i64; 2] {
+        [check.first_entry, check.last_exit].map(|edge| edge.unwrap().at.tai_ns() / SECOND)
+    }
+
+    #[test]
+    // REQ-SEQ-5.
+    fn the_first_entry_and_the_last_exit_count() {
+        for (entry, exit, expected) in
+            [(5, 15, [5, 20]), (15, 25, [10, 25]), (5, 25, [5, 25]), (12, 18, [10, 20])]
+        {
+            let mut check = noted();
+            let moved = check.note(&pass(entry, exit));
+            assert_eq!(edges_s(&check), expected);
+            assert_eq!(moved, expected != [10, 20], "{entry} to {exit}");
+            assert_eq!(check.passes, 2);
+        }
+        // The same edges once more are looked at once.
+        assert!(!noted().note(&pass(10, 20)));
+    }
+
+    #[test]
+    // REQ-SEQ-5.
+    fn edges_may_differ_by_the_tolerance_and_no_more() {
+        let planned = SessionRecord {
+            first_entry: later(Instant::from_tai_ns(0), 10),
+            last_exit: later(Instant::from_tai_ns(0), 20),
+            ..session()
+        };
+        let verdict = |entry_ns: i64, exit_ns: i64| {
+            let mut check = noted();
+            let moved = |edge: &mut Option<Edge>, ns| {
+                let edge = edge.as_mut().unwrap();
+                edge.at = edge.at.plus(Duration::from_ns(ns));
+            };
+            moved(&mut check.first_entry, entry_ns);
+            moved(&mut check.last_exit, exit_ns);
+            with_question(&planned, |question| check.compare(question))
+        };
+        for by in [SECOND, -SECOND] {
+            assert_eq!(verdict(by, 0), Ok(()));
+            assert_eq!(verdict(0, by), Ok(()));
+            let more = by + by.signum();
+            assert_eq!(verdict(more, 0), Err(SkipReason::Entry(Duration::from_ns(more))));
+            assert_eq!(verdict(0, more), Err(SkipReason::Exit(Duration::from_ns(more))));
+        }
+    }
+
+    #[test]
+    // REQ-SEQ-5.
+    fn as_many_passes_as_can_be_counted_are_no_other_number() {
+        let verdict = |planned: u16, predicted: u16| {
+            let check = SessionCheck { passes: predicted, ..noted() };
+            let session = SessionRecord {
+                first_entry: later(Instant::from_tai_ns(0), 10),
+                last_exit: later(Instant::from_tai_ns(0), 20),
+                passes: planned,
+                ..session()
+            };
+            with_question(&session, |question| check.compare(question))
+        };
+        assert_eq!(verdict(u16::MAX, u16::MAX), Ok(()));
+        assert_eq!(verdict(3, u16::MAX), Err(SkipReason::Passes(u16::MAX)));
+        assert_eq!(verdict(u16::MAX, 3), Err(SkipReason::Passes(3)));
+        assert_eq!(verdict(3, 2), Ok(()));
+        assert_eq!(verdict(3, 5), Err(SkipReason::Passes(5)));
+    }
+
+    #[test]
+    // REQ-SEQ-12.
+    fn every_piece_is_counted() {
+        let session = session();
+        let mut check = SessionCheck::WAITING;
+        check.start(&strategy());
+        assert_eq!(check.pieces(), 0);
+        with_question(&session, |question| {
+            let (mut check, calls) = checked(check, question);
+            assert_eq!(check.verdict(), Some(Ok(())));
+            assert!(calls > 5);
+            assert_eq!(check.pieces(), calls);
+            // Once it is over nothing is done.
+            assert_eq!(check.advance(question, 3), 0);
+            assert_eq!(check.pieces(), calls);
+        });
+    }
+
+    #[test]
+    fn a_check_of_avoidance_alone_leaves_the_target_out() {
+        let elsewhen = session();
+        let elsewhen = SessionRecord {
+            first_entry: later(elsewhen.last_exit, 60),
+            last_exit: later(elsewhen.last_exit, 90),
+            ..elsewhen
+        };
+        let verdict = |start: fn(&mut SessionCheck, &ScanStrategy)| {
+            let mut check = SessionCheck::WAITING;
+            start(&mut check, &strategy());
+            assert!(!check.is_waiting());
+            with_question(&elsewhen, |question| checked(check, question).0.verdict())
+        };
+        assert_eq!(verdict(SessionCheck::start), Some(Err(SkipReason::NoPass)));
+        assert_eq!(verdict(SessionCheck::start_with_avoidance), Some(Ok(())));
+    }
+
+    #[test]
+    // REQ-SEQ-8.
+    fn edges_move_by_their_slopes() {
+        let session = session();
+        assert_eq!(session.body, BODY);
+        let after = |by_rad: f64| {
+            let mut check = SessionCheck::WAITING;
+            check.start(&turned(by_rad));
+            with_question(&session, |question| {
+                let check = checked(check, question).0;
+                [check.first_entry, check.last_exit].map(Option::unwrap)
+            })
+        };
+        let step_rad = 1e-4;
+        let (before, own, later) = (after(-step_rad), after(0.0), after(step_rad));
+        for ((before, own), later) in before.iter().zip(own).zip(later) {
+            let moved_s = later.at.since(before.at).seconds() / (2.0 * step_rad);
+            let [_, _, spin_s] = own.slopes_s.unwrap();
+            assert!((moved_s.abs() - spin_s.abs()).abs() < 1e-3 * spin_s.abs(), "{moved_s}");
+            assert!(spin_s.abs() > 10.0);
+        }
+    }
+}

@@ -335,6 +335,20 @@ fn a_verdict_stands_within_the_angle_of_a_new_check() {
     assert_ne!(check, super::Progress::Done);
 }
 
+#[test]
+// REQ-SEQ-7.
+fn a_verdict_stands_at_the_angle_itself() {
+    let session = session();
+    let bytes = Board::default().uplink(1, &[session]);
+    let other = turned(2e-3);
+    let by = |at| super::turned_rad(&strategy(), &other, at);
+    let recheck_rad = by(session.start).max(by(session.end));
+    let mut flight = Flight::with(Settings { recheck_rad, ..SETTINGS }, &bytes);
+    flight.run(later(session.start, -3600), later(session.start, -600));
+    flight.scan = ScanEstimate::Strategy(&other);
+    assert_eq!(flight.told(later(session.start, -600).tai_ns()).check, super::Progress::Done);
+}
+
 fn tracker(sigma_rad: f64, epoch: Instant) -> Tracker {
     let settings = TrackerSettings {
         angle_sigmas_rad: [1e-9, 1e-9, sigma_rad],

@@ -109,3 +109,46 @@ fn direction(
 ) -> Result<Direction<Boresight>, EphemerisError> {
     Ok(attitude.apply(tables.ephemeris().body(body)?.state(now)?.direction))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{Board, RADIUS_RAD};
+    use super::*;
+    use std::vec;
+
+    extern crate std;
+
+    #[test]
+    // REQ-SEQ-9.
+    fn a_body_is_too_close_below_the_limit_less_the_tolerance() {
+        let body = Direction::from_longitude_latitude(0.3, 1.0);
+        let board = Board { bodies: vec![body], ..Board::default() };
+        let bytes = board.uplink(1, &[]);
+        let tables = Tables::load(&bytes).unwrap();
+        let now = Instant::from_tai_ns(0);
+        let attitude = Rotation::IDENTITY;
+        let seen_rad = {
+            let field = tables.mission().calibration_field(0, 0).unwrap();
+            field.angle_to_rad(direction(Board::number(0), &tables, &attitude, now).unwrap())
+        };
+        assert!((seen_rad - (core::f64::consts::FRAC_PI_2 - 1.0 - RADIUS_RAD)).abs() < 1e-12);
+        let close = |angle_rad: f64| {
+            let record = AvoidanceRecord { body: Board::number(0), angle_rad };
+            too_close(&record, (0, 0), &tables, &attitude, now).unwrap().unwrap()
+        };
+        assert!(close(seen_rad + 1.1 * SEPARATION_TOLERANCE_RAD));
+        assert!(!close(seen_rad + 0.9 * SEPARATION_TOLERANCE_RAD));
+        assert!(!close(seen_rad));
+        // The limit itself, to the last bit.
+        let mut limit_rad = seen_rad + SEPARATION_TOLERANCE_RAD;
+        while limit_rad - SEPARATION_TOLERANCE_RAD > seen_rad {
+            limit_rad = limit_rad.next_down();
+        }
+        while limit_rad - SEPARATION_TOLERANCE_RAD < seen_rad {
+            limit_rad = limit_rad.next_up();
+        }
+        assert!(!close(limit_rad));
+        let record = AvoidanceRecord { body: Board::number(0), angle_rad: limit_rad };
+        assert!(too_close(&record, (0, 1), &tables, &attitude, now).is_none(), "one field only");
+    }
+}
