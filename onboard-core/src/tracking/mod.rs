@@ -25,6 +25,8 @@ mod angles;
 mod filter;
 mod settings;
 mod state;
+#[cfg(test)]
+mod rules;
 
 pub use angles::ScanAngles;
 pub use settings::{
