@@ -523,4 +523,23 @@ mod tests {
             MissionError::FieldOfView(FieldOfViewError::Radius(0.0))
         );
     }
+
+    #[test]
+    fn the_suns_table_and_no_detector_ask_for_no_number() {
+        let (parameters, _) = section();
+        let parse = |counts: Counts, radius_rad: f64, records: &[u8]| {
+            let fixed =
+                MissionTable::fixed_to_le_bytes(&parameters, SunRecord::Table, counts, radius_rad);
+            MissionTable::parse(&[&fixed[..], records].concat()).map(|_| ())
+        };
+        assert_eq!(parse(Counts::default(), 0.0, &[]), Ok(()));
+        let field = FieldShape::Circle(0.2);
+        let telescope = TelescopeRecord { rotation: Rotation::about_z(0.5), hwp: None, field };
+        let detector = DetectorRecord { rotation: Rotation::about_x(0.1), telescope: 0 };
+        let records = [&telescope.to_le_bytes()[..], &detector.to_le_bytes()].concat();
+        let counts = Counts { telescopes: 1, detectors: 1, avoidance: 0 };
+        assert_eq!(parse(counts, 0.01, &records), Ok(()));
+        let radius = MissionError::FieldOfView(FieldOfViewError::Radius(0.0));
+        assert_eq!(parse(counts, 0.0, &records), Err(radius));
+    }
 }

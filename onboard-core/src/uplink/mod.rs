@@ -472,4 +472,64 @@ pub(crate) mod tests {
         bytes[8] = 2;
         assert_eq!(Container::parse(&bytes).unwrap_err(), UplinkError::Version(2));
     }
+
+    /// With directory and header changed in place, and their CRCs made right.
+    fn with(change: impl FnOnce(&mut Vec<u8>)) -> Result<(), UplinkError> {
+        let mut bytes = container();
+        change(&mut bytes);
+        let directory = checksum(&bytes[64..96]);
+        bytes[20..24].copy_from_slice(&directory.to_le_bytes());
+        let header = checksum(&bytes[..60]);
+        bytes[60..64].copy_from_slice(&header.to_le_bytes());
+        Container::parse(&bytes).map(|_| ())
+    }
+
+    #[test]
+    // REQ-CONT-1.
+    fn a_cut_is_told_from_what_is_too_long() {
+        let good = container();
+        let whole = u32::try_from(good.len()).unwrap();
+        for length in 0..good.len() {
+            let least = if length < HEADER_BYTES { 64 } else { whole };
+            assert_eq!(
+                Container::parse(&good[..length]).err(),
+                Some(UplinkError::Truncated(least))
+            );
+        }
+    }
+
+    #[test]
+    // REQ-CONT-1.
+    fn sections_fill_the_container_one_after_the_other_each_once() {
+        let bad = Err(UplinkError::BadDirectory);
+        assert_eq!(with(|_| {}), Ok(()));
+        // Offsets of the two sections: 96 and 107; the second's CRC made right for its place.
+        let moved = |bytes: &mut Vec<u8>| {
+            bytes[84..88].copy_from_slice(&106_u32.to_le_bytes());
+            let crc = checksum(&bytes[106..116]);
+            bytes[92..96].copy_from_slice(&crc.to_le_bytes());
+        };
+        assert_eq!(with(moved), bad, "overlapping sections");
+        let longer = |bytes: &mut Vec<u8>| {
+            bytes.push(0);
+            let length = u32::try_from(bytes.len()).unwrap();
+            bytes[12..16].copy_from_slice(&length.to_le_bytes());
+        };
+        assert_eq!(with(longer), bad, "bytes that belong to no section");
+        assert_eq!(with(|bytes| bytes[96 + 9] ^= 1), Err(UplinkError::SectionCrc(3)));
+        let twice = container_of(&HEADER, &[(SectionKind::Plan, &[1]), (SectionKind::Plan, &[2])]);
+        assert_eq!(Container::parse(&twice).map(|_| ()), bad);
+        let ended = Header { valid_until: HEADER.valid_from, ..HEADER };
+        let instant = container_of(&ended, &[(SectionKind::Plan, &[1])]);
+        assert!(Container::parse(&instant).is_ok(), "valid at one instant");
+        let before = HEADER.valid_from.plus(crate::time::Duration::from_ns(-1));
+        let never = Header { valid_until: before, ..HEADER };
+        let never = container_of(&never, &[(SectionKind::Plan, &[1])]);
+        assert_eq!(Container::parse(&never).map(|_| ()), bad);
+    }
+
+    #[test]
+    fn a_digest_in_the_making_names_itself() {
+        assert_eq!(std::format!("{:?}", SetDigest::new()), "SetDigest");
+    }
 }

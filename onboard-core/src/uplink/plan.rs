@@ -201,4 +201,33 @@ mod tests {
         let bytes = section(&[session(0)]);
         assert_eq!(PlanTable::parse(&bytes[..50]).unwrap_err(), PlanError::WrongLength);
     }
+
+    #[test]
+    fn each_instant_of_a_session_keeps_its_order() {
+        let at = |ns: i64| Instant::from_tai_ns(ns);
+        let parse = |session: SessionRecord| PlanTable::parse(&section(&[session])).map(|_| ());
+        let bad = Err(PlanError::BadSession(0));
+        assert_eq!(parse(SessionRecord { first_entry: at(-1), ..session(0) }), bad);
+        assert_eq!(parse(SessionRecord { last_exit: at(9), ..session(0) }), bad);
+        assert_eq!(parse(SessionRecord { last_exit: at(41), ..session(0) }), bad);
+        let instant =
+            SessionRecord { first_entry: at(0), last_exit: at(0), end: at(0), ..session(0) };
+        assert_eq!(parse(instant), Ok(()));
+    }
+
+    #[test]
+    fn the_count_is_that_of_the_sessions() {
+        let good = section(&[session(0), session(5)]);
+        let with = |change: fn(&mut Vec<u8>)| {
+            let mut bytes = good.clone();
+            change(&mut bytes);
+            PlanTable::parse(&bytes).map(|_| ())
+        };
+        assert_eq!(with(|_| {}), Ok(()));
+        let wrong = Err(PlanError::WrongLength);
+        assert_eq!(with(|bytes| bytes[0] = 1), wrong);
+        assert_eq!(with(|bytes| bytes[4] = 1), wrong);
+        assert_eq!(with(|bytes| bytes.push(0)), wrong);
+        assert_eq!(with(|bytes| bytes[8 + 44] = 1), Err(PlanError::BadSession(0)));
+    }
 }

@@ -165,7 +165,7 @@ impl<'a> Scrub<'a> {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::uplink::slot_rules::uplink;
+    use crate::uplink::slot_rules::{uplink, uplink_for};
     use std::vec::Vec;
 
     /// Steps of a copy of the scrub, gone on in damaged bytes, until it says so.
@@ -245,6 +245,40 @@ mod tests {
                 region.end - before
             };
             assert!(passed <= SCRUB_BYTES);
+        }
+    }
+
+    #[test]
+    // REQ-SCRUB-1.
+    fn a_section_longer_than_a_step_is_sound_in_several() {
+        let good = uplink_for(1, 4, (0, 900), 25);
+        let mut scrub = Scrub::new(&Tables::load(&good).unwrap());
+        assert_eq!(std::format!("{scrub:?}"), std::format!("Scrub of {} bytes at 0", good.len()));
+        let steps: Vec<ScrubStep> = (0..12).map(|_| scrub.step()).collect();
+        // Header, directory, ephemeris of 760 bytes in three, mission.
+        for round in steps.chunks(6) {
+            assert_eq!(round[..5], [ScrubStep::GoesOn; 5]);
+            assert_eq!(round[5], ScrubStep::RoundOver);
+        }
+    }
+
+    #[test]
+    // REQ-SCRUB-1.
+    fn a_section_that_has_lost_its_length_is_damage() {
+        let good = uplink(4, (0, 900));
+        let mut scrub = Scrub::new(&Tables::load(&good).unwrap());
+        assert_eq!([scrub.step(), scrub.step()], [ScrubStep::GoesOn; 2]);
+        // After the directory's turn: the first section's length, 0 or beyond the container.
+        let length = 64 + 8;
+        assert!(u32_at(&good, length).unwrap() > 100);
+        for wrong in [[0; 4], [0xff, 0xff, 0, 0]] {
+            let mut bad = good.clone();
+            bad[length..length + 4].copy_from_slice(&wrong);
+            let mut scrub = Scrub { bytes: &bad, ..scrub.clone() };
+            assert_eq!(scrub.step(), ScrubStep::Damaged(UplinkError::BadDirectory), "{wrong:?}");
+            // The next round looks at the header, then at the directory.
+            assert_eq!(scrub.step(), ScrubStep::GoesOn);
+            assert_eq!(scrub.step(), ScrubStep::Damaged(UplinkError::DirectoryCrc));
         }
     }
 }
