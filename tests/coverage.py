@@ -28,6 +28,7 @@ def test_files():
 
 def flight_lines(path):
     """Lines before the first `#[cfg(test)]` on a module or function; tests stand at the file's foot."""
+    previous = ""
     for number, line in enumerate(path.read_text().splitlines(), 1):
         if re.match(r"mod \w+ \{", line) and previous == "#[cfg(test)]":
             return number

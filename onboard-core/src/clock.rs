@@ -231,6 +231,32 @@ mod tests {
     }
 
     #[test]
+    // REQ-CLOCK-1.
+    fn both_ends_of_the_validity_are_valid() {
+        let tick_bits = ClockCorrelation::tick_of(1, 0);
+        let ends = (Instant::from_tai_ns(4_000), Instant::from_tai_ns(6_000));
+        let record = ClockCorrelation {
+            ticks: 5_000,
+            at: Instant::from_tai_ns(5_000),
+            tick_bits,
+            valid_from: ends.0,
+            valid_until: ends.1,
+            ..RECORD
+        };
+        assert_eq!(record.instant(6_000), Ok(ends.1));
+        assert_eq!(record.instant(6_001), Err(ClockError::Expired(ends.1)));
+        assert_eq!(record.instant(4_000), Ok(ends.0));
+        assert_eq!(record.instant(3_999), Err(ClockError::NotYetValid(ends.0)));
+        let read = |valid_until| {
+            let record = ClockCorrelation { valid_until, ..record };
+            ClockCorrelation::from_le_bytes(&record.to_le_bytes()).map(|_| ())
+        };
+        assert_eq!(read(ends.0), Ok(()), "valid at one instant");
+        assert_eq!(read(Instant::from_tai_ns(3_999)), Err(ClockError::Illegal));
+        assert_eq!(read(ends.1), Ok(()));
+    }
+
+    #[test]
     // REQ-NUMBER-1.
     fn only_the_next_record_of_the_same_spacecraft_replaces() {
         let sequence = |error| Err(ClockError::Sequence(error));

@@ -12,6 +12,18 @@ budget() {
     cargo run -q --locked --manifest-path "$here/../Cargo.toml" --bin budget -- "$@"
 }
 
+# The values follow the compiler: they are held to it, whichever it is, but another one is named.
+recorded_with() {
+    local recorded found
+    recorded=$(sed -n "s/^$1 = \"\(.*\)\"$/\1/p" "$here/../firmware/budget.toml")
+    found=$("$2" -V | cut -d' ' -f2)
+    if [ "$recorded" != "$found" ]; then
+        echo "budget: recorded with Rust $recorded for $1, this is $found"
+    fi
+}
+recorded_with host rustc
+recorded_with thumb "$(thumb_rustc)"
+
 binaries=$(mktemp -d)
 trap 'rm -r "$binaries"' EXIT
 for build in $BUILDS; do

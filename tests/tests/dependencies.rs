@@ -66,3 +66,18 @@ fn what_stands_apart_links_the_same_arithmetic() {
         }
     }
 }
+
+/// The compiler that bits and budgets depend on is pinned, and named where they are.
+#[test]
+fn one_compiler_is_pinned_and_named() {
+    let pinned =
+        read_toml("rust-toolchain.toml")["toolchain"]["channel"].as_str().unwrap().to_owned();
+    let recorded = read_toml("tests/firmware/budget.toml");
+    let recorded = |key: &str| recorded["compiler"][key].as_str().unwrap().to_owned();
+    assert_eq!(recorded("host"), pinned);
+    let page = std::fs::read_to_string(root().join("docs/onboard.md")).unwrap();
+    for version in [pinned, recorded("thumb")] {
+        assert_eq!(version.split('.').count(), 3, "{version} is one version");
+        assert!(page.contains(&format!("Rust {version}")), "docs/onboard.md names no {version}");
+    }
+}

@@ -335,20 +335,6 @@ fn a_verdict_stands_within_the_angle_of_a_new_check() {
     assert_ne!(check, super::Progress::Done);
 }
 
-#[test]
-// REQ-SEQ-7.
-fn a_verdict_stands_at_the_angle_itself() {
-    let session = session();
-    let bytes = Board::default().uplink(1, &[session]);
-    let other = turned(2e-3);
-    let by = |at| super::turned_rad(&strategy(), &other, at);
-    let recheck_rad = by(session.start).max(by(session.end));
-    let mut flight = Flight::with(Settings { recheck_rad, ..SETTINGS }, &bytes);
-    flight.run(later(session.start, -3600), later(session.start, -600));
-    flight.scan = ScanEstimate::Strategy(&other);
-    assert_eq!(flight.told(later(session.start, -600).tai_ns()).check, super::Progress::Done);
-}
-
 fn tracker(sigma_rad: f64, epoch: Instant) -> Tracker {
     let settings = TrackerSettings {
         angle_sigmas_rad: [1e-9, 1e-9, sigma_rad],
@@ -417,13 +403,14 @@ fn avoidance_counts_in_setup_calibrating_and_cooldown() {
     let session = session();
     for part in 0..3 {
         let (near, angle) = only_in(&session, part, 0.0);
-        let board = Board { bodies: vec![near], limits: vec![(0, angle)], detectors: false };
+        let board = Board { bodies: vec![near], limits: vec![(0, angle)], ..Board::default() };
         let bytes = board.uplink(1, &[session]);
         let mut flight = Flight::new(&bytes);
         fly(&mut flight, &session);
         assert_eq!(flight.skips(), [SkipReason::Avoidance(Board::number(0))], "part {part}");
     }
-    let board = Board { bodies: vec![nowhere(&session)], limits: vec![(0, 0.2)], detectors: false };
+    let board =
+        Board { bodies: vec![nowhere(&session)], limits: vec![(0, 0.2)], ..Board::default() };
     let bytes = board.uplink(1, &[session]);
     let mut flight = Flight::new(&bytes);
     fly(&mut flight, &session);
@@ -441,7 +428,7 @@ fn every_limit_counts_and_every_field_of_it() {
     let reasons = |placed: Vec<(Direction<Ecliptic>, f64)>| {
         let bodies = placed.iter().map(|it| it.0).collect();
         let limits = placed.iter().map(|it| it.1).enumerate().collect();
-        let board = Board { bodies, limits, detectors: true };
+        let board = Board { bodies, limits, detectors: true, ..Board::default() };
         let bytes = board.uplink(1, &[session]);
         let mut flight = Flight::new(&bytes);
         fly(&mut flight, &session);
@@ -453,7 +440,7 @@ fn every_limit_counts_and_every_field_of_it() {
     assert_eq!(reasons(vec![second]), avoided(0), "the second field");
     assert_eq!(reasons(vec![far, second, far]), avoided(1), "both");
     // A limit that no field can keep.
-    let board = Board { bodies: vec![far.0], limits: vec![(0, 3.1)], detectors: false };
+    let board = Board { bodies: vec![far.0], limits: vec![(0, 3.1)], ..Board::default() };
     let bytes = board.uplink(1, &[session]);
     let mut flight = Flight::new(&bytes);
     fly(&mut flight, &session);
@@ -491,7 +478,7 @@ fn avoidance_is_watched_in_every_part_of_a_running_session() {
     let avoided = vec![AbortReason::Avoidance(Board::number(0))];
     for part in 0..3 {
         let (near, angle) = only_in(&session, part, 0.0);
-        let board = Board { bodies: vec![near], limits: vec![(0, angle)], detectors: false };
+        let board = Board { bodies: vec![near], limits: vec![(0, angle)], ..Board::default() };
         let (started, aborts, before) = watched(&session, &board);
         assert_eq!((started, &aborts), (1, &avoided), "part {part}");
         match part {
@@ -506,7 +493,12 @@ fn avoidance_is_watched_in_every_part_of_a_running_session() {
             }
         }
     }
-    let far = Board { bodies: vec![nowhere(&session)], limits: vec![(0, 0.2)], detectors: true };
+    let far = Board {
+        bodies: vec![nowhere(&session)],
+        limits: vec![(0, 0.2)],
+        detectors: true,
+        ..Board::default()
+    };
     let (started, aborts, _) = watched(&session, &far);
     assert_eq!((started, aborts), (1, vec![]));
 }
@@ -522,7 +514,8 @@ fn every_limit_and_field_has_its_turn_in_the_watch() {
         let mut bodies = vec![far; 6];
         bodies[place] = near;
         let limits = (0..6).map(|it| (it, angle)).collect();
-        let (started, aborts, _) = watched(&session, &Board { bodies, limits, detectors: true });
+        let (started, aborts, _) =
+            watched(&session, &Board { bodies, limits, detectors: true, ..Board::default() });
         assert_eq!(
             (started, aborts),
             (1, vec![AbortReason::Avoidance(Board::number(place))]),
@@ -536,7 +529,8 @@ fn every_limit_and_field_has_its_turn_in_the_watch() {
 fn the_watch_looks_at_no_more_than_its_bound() {
     let session = session();
     let far = nowhere(&session);
-    let board = Board { bodies: vec![far], limits: vec![(0, 0.2); 9], detectors: true };
+    let board =
+        Board { bodies: vec![far], limits: vec![(0, 0.2); 9], detectors: true, ..Board::default() };
     let bytes = board.uplink(1, &[session]);
     let mut flight = Flight::new(&bytes);
     flight.run(later(session.start, -3600), session.start);
@@ -583,7 +577,7 @@ fn tables_hold_only_bodies_that_cover_their_validity() {
     // The ephemeris reaches from a day before the start to 40 days after it.
     let (from, until) = (Instant::from_tai_ns(-DAY), Instant::from_tai_ns(40 * DAY));
     let with_limit =
-        Board { bodies: vec![nowhere(&session)], limits: vec![(0, 0.2)], detectors: false };
+        Board { bodies: vec![nowhere(&session)], limits: vec![(0, 0.2)], ..Board::default() };
     let load = |board: &Board, sessions: &[SessionRecord], validity| {
         Tables::load(&board.uplink_valid(1, sessions, validity)).map(|_| ())
     };

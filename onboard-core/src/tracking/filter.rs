@@ -271,4 +271,17 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn correlations_and_variances_have_their_ends() {
+        let with = |variances: [f64; 2], covariance: f64| {
+            let mut p = ErrorCovariance::diagonal([variances[0], variances[1], 1.0, 1.0, 1.0]);
+            (p.rows[0][1], p.rows[1][0]) = (covariance, covariance);
+            p.is_legal()
+        };
+        assert!(with([4.0, 9.0], 5.99) && with([4.0, 9.0], -6.0) && with([0.0, 9.0], 0.0));
+        assert!(!with([4.0, 9.0], 6.01) && !with([4.0, 9.0], -6.01) && !with([0.0, 9.0], 0.1));
+        assert!(with([4.0, 9.0], 6.0 * (1.0 + 0.9e-9)) && !with([4.0, 9.0], 6.0 * (1.0 + 1.1e-9)));
+        assert!(!with([f64::INFINITY, 9.0], 0.0) && !with([-4.0, -9.0], 0.0));
+    }
 }

@@ -409,3 +409,34 @@ fn a_state_goes_on_only_where_it_began() {
         [model(), off([0.0, 0.0, 1e-6]), off([0.0, 1e-6, 0.0])].iter().map(identity).collect();
     assert!(nominal[0] != nominal[1] && nominal[0] != nominal[2]);
 }
+
+#[test]
+// REQ-TRACK-1.
+fn the_eighth_of_a_turn_and_the_limit_themselves_are_taken() {
+    let eighth = super::MAX_PHASE_SIGMA_RAD;
+    let noise = Noise { sum: 0.0, alpha: 1e-10, difference: 0.0 };
+    let told = |variance: f64| {
+        let mut tracker = tracker();
+        tracker.covariance = ErrorCovariance::diagonal([variance, 1e-4, 1e-4, 0.0, 0.0]);
+        tracker.take(EPOCH, [0.0; 3], &noise).map(|_| ())
+    };
+    let mut variance = eighth * eighth;
+    while variance.sqrt() > eighth {
+        variance = variance.next_down();
+    }
+    assert_eq!(variance.sqrt().to_bits(), eighth.to_bits());
+    assert_eq!(told(variance), Ok(()));
+    let refused = told(eighth.next_up() * eighth.next_up() * (1.0 + 1e-15));
+    assert!(matches!(refused, Err(MeasurementRefusal::Ambiguous(ScanAngle::Precession, _))));
+
+    let truth = off([0.0, 0.005, 0.0]);
+    let told = |limit: f64| {
+        let settings = TrackerSettings { limits_rad: [0.2, limit, 0.2], ..SETTINGS };
+        let mut tracker = Tracker::new(&model(), &settings, EPOCH).unwrap();
+        tracker.update(&sun(), &seen(&truth, EPOCH), EPOCH).map(|_| ())
+    };
+    let Err(MeasurementRefusal::Correction(ScanAngle::Alpha, error)) = told(0.004) else {
+        panic!("beyond its limit")
+    };
+    assert_eq!(told(error.abs()), Ok(()));
+}

@@ -532,4 +532,25 @@ pub(crate) mod tests {
     fn a_digest_in_the_making_names_itself() {
         assert_eq!(std::format!("{:?}", SetDigest::new()), "SetDigest");
     }
+
+    #[test]
+    // REQ-CONT-1.
+    fn there_are_no_more_sections_than_stated() {
+        let parse = |count: u16| {
+            let contents: Vec<(SectionKind, &[u8])> =
+                (0..count).map(|_| (SectionKind::Plan, &[1_u8][..])).collect();
+            let mut bytes = container_of(&HEADER, &contents);
+            // Each of a kind of its own.
+            for index in 0..usize::from(count) {
+                bytes[64 + 16 * index] = u8::try_from(index + 1).unwrap();
+            }
+            let directory = checksum(&bytes[64..64 + 16 * usize::from(count)]);
+            bytes[20..24].copy_from_slice(&directory.to_le_bytes());
+            let header = checksum(&bytes[..60]);
+            bytes[60..64].copy_from_slice(&header.to_le_bytes());
+            Container::parse(&bytes).map(|_| ())
+        };
+        assert_eq!(parse(MAX_SECTIONS), Ok(()));
+        assert_eq!(parse(MAX_SECTIONS + 1), Err(UplinkError::BadDirectory));
+    }
 }
