@@ -205,4 +205,26 @@ mod tests {
         let pole = Direction::<Ecliptic>::new(0.0, 0.0, -2.0).unwrap();
         assert!((pole.latitude_rad() + FRAC_PI_2).abs() < 1e-15);
     }
+
+    #[test]
+    fn a_nearly_unit_vector_is_normalised_on_either_way() {
+        let v = Vector3::new(0.36, 0.48, -0.8);
+        for by in [1.0, 1.0 + 1e-9, 1.0 - 1e-7, 1.0 + 4e-6, 1.0 - 4e-6, 1.001, 0.9, 3.0, 1e-3] {
+            let own = Direction::<Ecliptic>::from_nearly_unit(v * by).unwrap().vector();
+            assert!((own - v).norm() < 3e-16, "{by}");
+        }
+        assert!(Direction::<Ecliptic>::from_nearly_unit(Vector3::zeros()).is_none());
+    }
+
+    #[test]
+    fn longitude_and_latitude_come_back() {
+        for (longitude, latitude) in [(0.3, 0.2), (-2.5, -1.1), (3.0, 1.5), (-0.1, 0.0)] {
+            let own = Direction::<Ecliptic>::from_longitude_latitude(longitude, latitude);
+            assert!((own.longitude_rad() - longitude).abs() < 1e-15);
+            assert!((own.latitude_rad() - latitude).abs() < 1e-15);
+            let turned = Direction::<Ecliptic>::from_longitude_latitude(longitude + 0.3, latitude);
+            let half = (0.15_f64.sin() * latitude.cos()).asin();
+            assert!((own.separation_rad(turned) - 2.0 * half).abs() < 1e-14);
+        }
+    }
 }

@@ -259,4 +259,48 @@ mod tests {
         }
         assert!(FieldOfView::circle(frame, PI).is_ok());
     }
+
+    #[test]
+    // REQ-AVOID-1.
+    fn margins_add_up_and_end_where_all_is_inside() {
+        let frame = Rotation::<Telescope, Boresight>::IDENTITY;
+        let beside = |angle: f64| Direction::new(angle.sin(), 0.0, angle.cos()).unwrap();
+        let circle = FieldOfView::circle(frame, 0.3).unwrap();
+        let rectangle = FieldOfView::rectangle(frame, 0.2, 0.6).unwrap();
+        for field in [circle, rectangle] {
+            assert_eq!(field.margin_rad().to_bits(), 0);
+            let reach = field.reach_rad();
+            let once = field.enlarged(0.2).unwrap();
+            let twice = once.enlarged(0.5).unwrap();
+            assert!((once.margin_rad() - 0.2).abs() < 1e-15);
+            assert!((twice.margin_rad() - 0.7).abs() < 1e-15);
+            assert!((twice.reach_rad() - reach - 0.7).abs() < 1e-15);
+            assert_eq!(twice.shape(), field.shape());
+            for margin in [0.0, -0.1, PI - reach, 3.2] {
+                assert!(field.enlarged(margin).is_none(), "{margin}");
+            }
+            assert!(field.enlarged(PI - reach - 1e-9).is_some());
+            // Half the height, and the circle's radius, is 0.3 along x.
+            for (own, edge) in [(field, 0.3), (once, 0.5), (twice, 1.0)] {
+                assert!((own.angle_to_rad(beside(edge + 0.4)) - 0.4).abs() < 1e-14);
+                assert!(own.angle_to_rad(beside(edge - 0.01)) <= 0.0);
+                assert!(own.contains(beside(edge - 1e-9)) && !own.contains(beside(edge + 1e-9)));
+                assert!(own.contains(beside(1e-9 - edge)) && !own.contains(beside(-edge - 1e-9)));
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_end_where_they_say() {
+        let frame = Rotation::<Telescope, Boresight>::IDENTITY;
+        assert_eq!(
+            FieldOfView::circle(frame, PI.next_up()).err(),
+            Some(FieldOfViewError::Radius(PI.next_up()))
+        );
+        assert!(FieldOfView::rectangle(frame, PI.next_down(), 0.1).is_ok());
+        assert_eq!(FieldOfView::rectangle(frame, 0.1, PI).err(), Some(FieldOfViewError::Side(PI)));
+        let of = |shape| FieldOfView::new(frame, shape).map(|field| field.shape());
+        assert_eq!(of(FieldShape::Circle(0.2)), Ok(FieldShape::Circle(0.2)));
+        assert_eq!(of(FieldShape::Rectangle(0.2, 0.1)), Ok(FieldShape::Rectangle(0.2, 0.1)));
+    }
 }

@@ -228,7 +228,7 @@ fn half_angle(sin: f64, cos: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::{AntiSun, Ecliptic, Spin};
+    use crate::frame::{AntiSun, Boresight, Ecliptic, Spin};
     use proptest::prelude::*;
 
     fn close(a: [f64; 3], b: [f64; 3]) -> bool {
@@ -298,6 +298,33 @@ mod tests {
             }
             let [x, y, z, w] = r.then(r.inverse()).to_xyzw();
             prop_assert!(x.abs() < 2e-15 && y.abs() < 2e-15 && z.abs() < 2e-15 && (w - 1.0).abs() < 2e-15);
+        }
+    }
+
+    #[test]
+    fn a_quaternion_is_normalised_within_the_tolerance() {
+        let unit = [0.1, -0.5, 0.7, 0.5];
+        let stretched =
+            |by: f64| Rotation::<Boresight, Boresight>::from_xyzw(unit.map(|it| by * it));
+        for by in [1.0, 1.0 + 0.9 * NORM_TOLERANCE, 1.0 - 0.9 * NORM_TOLERANCE] {
+            let own = stretched(by).unwrap().to_xyzw();
+            assert!(own.iter().zip(unit).all(|(own, it)| (own - it).abs() < 1e-15), "{own:?}");
+        }
+        for by in [1.0 + 1.1 * NORM_TOLERANCE, 1.0 - 1.1 * NORM_TOLERANCE] {
+            assert!(
+                matches!(stretched(by), Err(RotationError::NotUnit(norm)) if (norm - by).abs() < 1e-15)
+            );
+        }
+        for place in 0..4 {
+            let mut alone = [0.0; 4];
+            alone[place] = 1.0;
+            assert_eq!(
+                Rotation::<Boresight, Boresight>::from_xyzw(alone).unwrap().to_xyzw().map(f64::abs),
+                alone
+            );
+            alone[place] = f64::INFINITY;
+            let refused = Rotation::<Boresight, Boresight>::from_xyzw(alone);
+            assert!(matches!(refused, Err(RotationError::NotFinite)));
         }
     }
 }

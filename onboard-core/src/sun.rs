@@ -253,4 +253,74 @@ mod tests {
             }
         }
     }
+
+    /// The Sun's direction swings in longitude and latitude.
+    fn swinging(t: f64, [a, b, fast, slow]: [f64; 4]) -> DirectionState<Ecliptic> {
+        let (lon, lat) = (a * libm::sin(fast * t), b * libm::sin(slow * t));
+        let (dlon, dlat) = (a * fast * libm::cos(fast * t), b * slow * libm::cos(slow * t));
+        let ((sl, cl), (sb, cb)) = (libm::sincos(lon), libm::sincos(lat));
+        DirectionState {
+            direction: Direction::from_longitude_latitude(lon, lat),
+            rate_per_s: [
+                -sb * cl * dlat - cb * sl * dlon,
+                -sb * sl * dlat + cb * cl * dlon,
+                cb * dlat,
+            ],
+        }
+    }
+
+    #[test]
+    fn the_relative_motion_stays_within_its_bounds() {
+        let (h, mut rates, mut accelerations) = (1e-4, [0.0_f64; 2], [0.0_f64; 2]);
+        // Slow swings turn the frame, quick ones change how it turns; the target at rest, or moving.
+        for (index, numbers) in
+            [[1.5, 0.3, 0.2, 0.1], [0.02, 0.001, 2.0, 1.0], [0.01, 0.3, 3.0, 0.5]]
+                .iter()
+                .enumerate()
+        {
+            for speed in [0.0, 0.7] {
+                let sun = |t: f64| swinging(t, *numbers);
+                let target = |t: f64| DirectionState::<Ecliptic> {
+                    direction: Direction::from_longitude_latitude(0.4 + speed * t, 0.1),
+                    rate_per_s: [
+                        -speed * libm::cos(0.1) * libm::sin(0.4 + speed * t),
+                        speed * libm::cos(0.1) * libm::cos(0.4 + speed * t),
+                        0.0,
+                    ],
+                };
+                let norm = |v: [f64; 3]| Vector3::from(v).norm();
+                let change = |after: [f64; 3], before: [f64; 3]| {
+                    (Vector3::from(after) - Vector3::from(before)).norm() / (2.0 * h)
+                };
+                let times = || (0..4_000).map(|k| f64::from(k) * 0.02);
+                let most = |f: &dyn Fn(f64) -> f64| times().map(f).fold(0.0_f64, f64::max);
+                let bounds = MotionBounds {
+                    rate_rad_s: most(&|t| norm(sun(t).rate_per_s)),
+                    acceleration_per_s2: most(&|t| {
+                        change(sun(t + h).rate_per_s, sun(t - h).rate_per_s)
+                    }),
+                    max_abs_z: most(&|t| sun(t).direction.xyz()[2].abs()),
+                };
+                let own = MotionBounds {
+                    rate_rad_s: speed,
+                    acceleration_per_s2: speed * speed,
+                    max_abs_z: 0.1,
+                };
+                let limit = RelativeBounds::new(&bounds, &own);
+                let seen = |t: f64| AntiSunAxes::new(&sun(t)).view(&target(t));
+                for t in times() {
+                    let rate = norm(seen(t).rate_per_s) / limit.rate;
+                    let acceleration =
+                        change(seen(t + h).rate_per_s, seen(t - h).rate_per_s) / limit.acceleration;
+                    let kind = usize::from(index > 0);
+                    rates[kind] = rates[kind].max(rate);
+                    accelerations[kind] = accelerations[kind].max(acceleration);
+                }
+            }
+        }
+        for (kind, (rate, acceleration)) in rates.into_iter().zip(accelerations).enumerate() {
+            assert!(rate > 0.7 && rate < 1.0 + 1e-3, "{kind}: {rate}");
+            assert!(acceleration > 0.4 && acceleration < 1.0 + 1e-3, "{kind}: {acceleration}");
+        }
+    }
 }

@@ -106,6 +106,9 @@ fn fields() -> Vec<(FieldOfView, FieldOfView)> {
     ]
 }
 
+/// Evaluations of the searches of both bodies, by field, as recorded.
+const EVALUATIONS: [u64; 9] = [122, 504, 1700, 200, 310, 1968, 344, 403, 1899];
+
 /// The body's direction in the boresight's frame.
 fn seen(
     scan: &ScanStrategy,
@@ -171,12 +174,13 @@ fn every_transit_is_found_and_none_invented() {
     let bytes = tables();
     let table = EphemerisTable::parse(&bytes).unwrap();
     let scan = strategy([0.0; 3]);
-    let mut all = 0;
+    let (mut all, mut evaluations) = (0, [0; EVALUATIONS.len()]);
     for (index, (field, core)) in fields().iter().enumerate() {
         for body in [5, 6] {
             let look = |ns| seen(&scan, &table, body, ns);
-            let (found, _) = searched(&mut [channel(&scan, &table, body, field, (0, END))]);
+            let (found, made) = searched(&mut [channel(&scan, &table, body, field, (0, END))]);
             let name = (index, body);
+            evaluations[index] += made;
             all += found.len();
             for ns in (0..=END).step_by(1_500_000_000) {
                 let inside = field.contains(look(ns));
@@ -205,6 +209,9 @@ fn every_transit_is_found_and_none_invented() {
         }
     }
     assert!(all > 200, "{all}");
+    // The gates and bounds only make a search quick: here it shows where one has become shorter.
+    let within = evaluations.iter().zip(EVALUATIONS).all(|(made, recorded)| *made <= recorded);
+    assert!(within, "{evaluations:?}");
 }
 
 #[test]
@@ -254,6 +261,59 @@ fn several_channels_make_one_stream() {
         let part = both.iter().filter(|it| it.channel == index);
         assert!(part.map(|it| Transit { channel: 0, ..*it }).eq(own.iter().copied()));
     }
+}
+
+#[test]
+// REQ-TRANSIT-8.
+fn a_search_goes_on_from_any_saved_state() {
+    let bytes = tables();
+    let table = EphemerisTable::parse(&bytes).unwrap();
+    let scan = strategy([0.0; 3]);
+    let fresh = || channel(&scan, &table, 5, &fields()[3].0, (0, END));
+    let (whole, made) = searched(&mut [fresh()]);
+    for steps in [1, 7, 30, 55] {
+        let mut begun = [fresh()];
+        let mut finder = TransitFinder::new(&mut begun);
+        let before = (0..steps).filter(|_| matches!(finder.step(), Step::Transit(_))).count();
+        let mut again = fresh();
+        again.resume(begun[0].state());
+        assert_eq!(again.frontier(), begun[0].frontier());
+        assert!(begun[0].evaluations() > 0 && begun[0].evaluations() < made);
+        assert_eq!(searched(&mut [again]).0, whole[before..], "{steps}");
+    }
+}
+
+#[test]
+// REQ-TRANSIT-7.
+fn what_is_taken_back_comes_last_and_what_is_retired_never() {
+    let bytes = tables();
+    let table = EphemerisTable::parse(&bytes).unwrap();
+    let scan = strategy([0.0; 3]);
+    let one = |body| channel(&scan, &table, body, &fields()[1].0, (0, END));
+    let mut channels = [one(5), one(6), one(5)];
+    let mut finder = TransitFinder::new(&mut channels);
+    finder.retire(2);
+    let next = |finder: &mut TransitFinder<'_, '_>| loop {
+        match finder.step() {
+            Step::Transit(transit) => break Some(transit),
+            Step::Searched(_) => {}
+            Step::Done => break None,
+            Step::Failed { error, .. } => panic!("{error:?}"),
+        }
+    };
+    let mut first = next(&mut finder).unwrap();
+    while first.channel != 0 {
+        first = next(&mut finder).unwrap();
+    }
+    finder.take_back(first);
+    let mut rest = Vec::new();
+    while let Some(transit) = next(&mut finder) {
+        assert_ne!(transit.channel, 2);
+        rest.push(transit);
+    }
+    let again = rest.iter().position(|it| *it == first).expect("once more");
+    assert!(rest[..again].iter().all(|it| it.channel == 1));
+    assert!(rest[again..].iter().all(|it| it.channel == 0));
 }
 
 #[test]

@@ -243,4 +243,100 @@ mod tests {
             assert!((slope - at(t).1).abs() < 1e-6, "{slope} {}", at(t).1);
         }
     }
+
+    /// A direction and its rate, in the frame of the rectangle's own axes.
+    fn moving(direction: Vector3<f64>, rate: Vector3<f64>) -> Sight {
+        let direction = direction.normalize();
+        Sight {
+            cos_gamma: 0.0,
+            sin_gamma: 0.0,
+            precessed: (0.0, 0.0),
+            cos_delta: 0.0,
+            sin_delta: 0.0,
+            direction,
+            rate: rate - direction * direction.dot(&rate),
+        }
+    }
+
+    /// An enlarged rectangle, and a target that moves somewhere near it.
+    fn beside(index: u64) -> (Enlarged, Sight) {
+        let number = |k: u64| noise(index * 16 + k + 77);
+        let signed = |k: u64| 2.0 * number(k) - 1.0;
+        let sides = [0.1 + 0.4 * number(0), 0.1 + 0.4 * number(1)];
+        let [height, width] = sides.map(|side| libm::sincos(0.5 * side));
+        let margin = 0.02 + 0.5 * number(2) * number(3);
+        let enlarged = Enlarged {
+            rectangle: Rectangle {
+                x: Vector3::x(),
+                y: Vector3::y(),
+                z: Vector3::z(),
+                height,
+                width,
+            },
+            sin_beta: 1.0,
+            versine: versine(margin),
+            tolerance: tolerance(margin),
+        };
+        let direction = Vector3::new(1.5 * signed(4), 1.5 * signed(5), 1.0);
+        let towards = Vector3::new(signed(6), signed(7), signed(8)) - direction * number(9);
+        (enlarged, moving(direction, towards * number(10)))
+    }
+
+    /// Largest `p . u` over a grid of the rectangle's points.
+    fn largest(rectangle: &Rectangle, u: &Vector3<f64>) -> f64 {
+        let [tan_h, tan_w] = [rectangle.height, rectangle.width].map(|(sin, cos)| sin / cos);
+        let shares = || (-30..=30_i8).map(|k| f64::from(k) / 30.0);
+        shares()
+            .flat_map(|x| shares().map(move |y| (x, y)))
+            .map(|(x, y)| Vector3::new(x * tan_h, y * tan_w, 1.0).normalize().dot(u))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    #[test]
+    fn what_lies_ahead_is_the_largest_over_all_points() {
+        let (mut within, curvature) = (0, 0.3);
+        for index in 0..600 {
+            let (enlarged, sight) = beside(index);
+            for seconds in [0.0, 0.2, 0.7, 1.5, 3.0] {
+                let u = sight.direction + sight.rate * seconds;
+                let (value, slope) = enlarged.ahead(&sight, curvature, seconds);
+                let points = largest(&enlarged.rectangle, &u) - 1.0 + enlarged.versine;
+                let expected = points + 0.5 * curvature * seconds * seconds - enlarged.tolerance;
+                // The grid's points stand 0.01 rad apart.
+                let off = value - expected;
+                assert!(off > -1e-12 && off < 5e-5 * u.norm(), "{index} {seconds}: {off:e}");
+                let at = |t: f64| enlarged.ahead(&sight, curvature, t).0;
+                let numeric = (at(seconds + 1e-6) - at(seconds - 1e-6)) / 2e-6;
+                assert!((slope - numeric).abs() < 1e-5, "{index} {seconds}: {slope} {numeric}");
+                within += usize::from(enlarged.rectangle.nearest(&u).is_none());
+            }
+        }
+        assert!(within > 20, "{within}");
+    }
+
+    #[test]
+    // REQ-TRANSIT-2.
+    fn a_certified_step_reaches_nearly_to_the_bound() {
+        let (mut outside, mut tight) = (0, 0);
+        for index in 0..2_000 {
+            let (enlarged, sight) = beside(index);
+            let (curvature, longest) = (0.3, 2.0);
+            let seconds = enlarged.stays_outside(&sight, curvature, longest);
+            if enlarged.depth(&sight).0 >= 0.0 {
+                assert!(seconds <= 0.0);
+                continue;
+            }
+            let at = |t: f64| enlarged.ahead(&sight, curvature, t).0;
+            // The convex bound's root, by bisection.
+            let (mut low, mut high) = (0.0, longest);
+            while at(longest) > 0.0 && high - low > 1e-12 {
+                let middle = 0.5 * (low + high);
+                *(if at(middle) > 0.0 { &mut high } else { &mut low }) = middle;
+            }
+            assert!(seconds <= high + 1e-9, "{index}: {seconds} of {high}");
+            outside += 1;
+            tight += usize::from(seconds > 0.99 * high);
+        }
+        assert!(outside > 1_500 && 100 * tight > 89 * outside, "{tight} of {outside}");
+    }
 }

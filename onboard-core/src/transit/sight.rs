@@ -187,3 +187,19 @@ fn back_about_y(v: Vector3<f64>, motion: &Motion) -> Vector3<f64> {
     let (sin, cos) = (motion.sin_alpha, motion.cos_alpha);
     Vector3::new(v.x * cos - v.z * sin, v.y, v.x * sin + v.z * cos)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    // REQ-TRANSIT-3.
+    fn a_step_ends_just_before_a_joint_and_then_at_it() {
+        let at = Instant::from_tai_ns;
+        let seen = Seen { joint: at(1_000), ..Seen::NOTHING };
+        assert_eq!(seen.latest_step(at(0)), at(999));
+        assert_eq!(seen.latest_step(at(998)), at(999));
+        assert_eq!(seen.latest_step(at(999)), at(1_000));
+        assert_eq!(seen.latest_step(at(1_000)), at(1_001));
+    }
+}
