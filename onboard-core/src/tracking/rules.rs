@@ -115,27 +115,27 @@ fn chi_squared_and_correction_are_those_of_all_three_angles_together() {
     let (sin, cos) = alpha.sin_cos();
     let noise = Noise::new(2e-3, alpha);
     // As the head of `angles.rs` has it.
-    let r = Matrix3::new(1.0, 0.0, -cos, 0.0, sin * sin, 0.0, -cos, 0.0, 1.0)
+    let noise_part = Matrix3::new(1.0, 0.0, -cos, 0.0, sin * sin, 0.0, -cos, 0.0, 1.0)
         * (2e-3_f64 / sin).powi(2);
     let mut covariance = ErrorCovariance::diagonal([4e-6, 1e-6, 9e-6, 1e-12, 4e-12]);
     covariance.propagate(1_000.0, &SETTINGS.walks());
     // Correlated angles to begin with.
     covariance.observe(&mut [0.0; 5], &[1.0, 0.5, -0.3, 0.0, 0.0], 0.0, 1e-6);
     for innovation in [[1e-3, 0.0, 0.0], [0.0, 2e-3, 0.0], [0.0, 0.0, -3e-3], [1e-3, -2e-3, 4e-3]] {
-        let (mut p, mut errors) = (covariance, [0.0; 5]);
-        let before = matrix(&p);
-        let chi2 = noise.observe(&mut p, &mut errors, innovation);
-        let inverse = (before + r).try_inverse().unwrap();
-        let y = Vector3::from(innovation);
-        let weighed = inverse * y;
-        assert!(nearly(chi2, y.dot(&weighed)), "{innovation:?}: {chi2}");
+        let (mut own, mut errors) = (covariance, [0.0; 5]);
+        let before = matrix(&own);
+        let chi2 = noise.observe(&mut own, &mut errors, innovation);
+        let inverse = (before + noise_part).try_inverse().unwrap();
+        let told = Vector3::from(innovation);
+        let weighed = inverse * told;
+        assert!(nearly(chi2, told.dot(&weighed)), "{innovation:?}: {chi2}");
         let expected = before * weighed;
         let [a, tilt, b, ..] = errors;
         for (got, expected) in [a, tilt, b].into_iter().zip(expected.iter()) {
             assert!((got - expected).abs() < 1e-12, "{got} {expected}");
         }
         let left = before - before * inverse * before;
-        assert!((matrix(&p) - left).norm() < 1e-9 * left.norm());
+        assert!((matrix(&own) - left).norm() < 1e-9 * left.norm());
     }
 }
 

@@ -133,9 +133,9 @@ fn channel<'a>(
     table: &EphemerisTable<'a>,
     body: i32,
     field: &FieldOfView,
-    span: (i64, i64),
+    ends: (i64, i64),
 ) -> Channel<'a> {
-    Channel::new(scan, sun(), table.body(body).unwrap(), field, (at(span.0), at(span.1)))
+    Channel::new(scan, sun(), table.body(body).unwrap(), field, (at(ends.0), at(ends.1)))
 }
 
 /// All transits; frontiers never go back, and no step makes more evaluations than stated.
@@ -224,7 +224,7 @@ fn a_search_begins_and_ends_inside_a_transit_too() {
         let (whole, _) = searched(&mut [channel(&scan, &table, 5, field, (0, END))]);
         let it = whole.iter().find(|it| !it.entry_clipped && !it.exit_clipped);
         let it = it.unwrap_or_else(|| panic!("{index}"));
-        let middle = at((it.entry.tai_ns() + it.exit.tai_ns()) / 2).tai_ns();
+        let middle = i64::midpoint(it.entry.tai_ns(), it.exit.tai_ns());
         let ends = (it.entry.tai_ns() - SECOND, it.exit.tai_ns() + SECOND);
         let search = |from: i64, until: i64| {
             searched(&mut [channel(&scan, &table, 5, field, (from, until))]).0
@@ -376,8 +376,8 @@ fn confidences_are_derivatives_by_the_angles() {
         for weights in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, -0.3, 0.8]] {
             let moved = |by: f64| {
                 let scan = strategy(weights.map(|weight| weight * by));
-                let span = (it.entry.tai_ns() - SECOND, it.exit.tai_ns() + SECOND);
-                let found = searched(&mut [channel(&scan, &table, 5, field, span)]).0;
+                let ends = (it.entry.tai_ns() - SECOND, it.exit.tai_ns() + SECOND);
+                let found = searched(&mut [channel(&scan, &table, 5, field, ends)]).0;
                 *found.first().unwrap_or_else(|| panic!("{index}"))
             };
             let (before, after) = (moved(-step), moved(step));

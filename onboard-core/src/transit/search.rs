@@ -510,8 +510,8 @@ mod tests {
             |ns: i64, closeness: f64, rate: f64| Approach { at: at(ns), closeness, rate };
         let best = approach(0, -0.1, 0.0);
         let stage = Stage::Inside(Visit { entry: at(0), clipped: false, best });
-        let state = SearchState { at: at(0), end: at(99), previous: None, stage };
-        let search = Search { state, ..Search::NOTHING };
+        let mut search = Search::NOTHING;
+        search.state = SearchState { at: at(0), end: at(99), previous: None, stage };
         let certificate = Certificate {
             now: best,
             inside: true,
