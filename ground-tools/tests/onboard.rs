@@ -26,7 +26,7 @@ fn fly(tables: &Tables<'_>, telescope: u16) -> (usize, Vec<Event>) {
     let header = tables.header();
     let clock = ClockCorrelation {
         sequence: 1,
-        spacecraft: 1,
+        spacecraft: header.spacecraft,
         uncertainty_ns: 0,
         ticks: 0,
         at: header.valid_from,

@@ -13,13 +13,14 @@
 //! Limits: 1e-12 rad anywhere in ten years (`tests/tests/attitude.rs`). At an ecliptic pole east is
 //! taken along longitude +90 deg.
 
-use crate::direction::Direction;
+use crate::direction::{Direction, DirectionState};
 use crate::ephemeris::EphemerisError;
 use crate::frame::{AntiSun, Boresight, Detector, Ecliptic, Spin};
 use crate::rotation::Rotation;
 use crate::scan::ScanStrategy;
 use crate::sun::{SunModel, frame_angular_velocity};
 use crate::time::Instant;
+use crate::vector::{cross, dot, plus, times};
 use nalgebra::Vector3;
 
 /// What a detector does on the sky at one instant.
@@ -73,19 +74,20 @@ pub fn sweep(
     detector: Rotation<Detector, Boresight>,
     at: Instant,
 ) -> Result<Sweep, EphemerisError> {
-    let anti_sun = sun.state(scan.parameters().start, at)?;
+    let mut anti_sun = DirectionState::NOWHERE;
+    sun.place_state(scan.parameters().start, at, &mut anti_sun)?;
     let spin = spin_in_ecliptic(scan, anti_sun.direction, at);
     let attitude = detector.then(spin.after_about_y::<Boresight>(scan.half_beta()));
     let (x, n) = attitude.x_and_z();
     // omega = omega_frame + w_a n_sun + w_b s, with s the spin axis.
     let (precession_rate, spin_rate) = scan.rates_rad_s();
-    let omega = frame_angular_velocity(&anti_sun)
-        + anti_sun.direction.vector() * precession_rate
-        + spin.z_axis() * spin_rate;
+    let precession = times(anti_sun.direction.vector(), precession_rate);
+    let omega =
+        plus(plus(frame_angular_velocity(&anti_sun), precession), times(spin.z_axis(), spin_rate));
     // n' = omega x n: its components along x and y = n x x are omega . y and -omega . x.
-    let y = n.cross(&x);
-    let along_x = omega.x * y.x + omega.y * y.y + omega.z * y.z;
-    let along_y = -(omega.x * x.x + omega.y * x.y + omega.z * x.z);
+    let y = cross(n, x);
+    let along_x = dot(omega, y);
+    let along_y = -dot(omega, x);
     Ok(Sweep {
         attitude,
         direction: Direction::from_unit(n),
@@ -118,6 +120,8 @@ fn crossing(x: Vector3<f64>, n: Vector3<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::phase::{Phase, Rotor, TurnRate};
+    use crate::scan::ScanParameters;
 
     #[test]
     fn crossing_angle_is_zero_at_east_and_grows_to_north() {
@@ -130,5 +134,74 @@ mod tests {
         // Seen from inside, R_z(+) about the outward line of sight turns north towards west.
         let expected = core::f64::consts::FRAC_PI_2 + 0.25;
         assert!((crossing_angle_rad(turned) - expected).abs() < 1e-15);
+    }
+
+    /// Crossing angle from east and north, worked out as vectors.
+    fn crossing_by_vectors(attitude: Rotation<Detector, Ecliptic>) -> f64 {
+        let (x, n) = attitude.x_and_z();
+        let east = Vector3::new(-n.y, n.x, 0.0).normalize();
+        libm::atan2(x.dot(&n.cross(&east)), x.dot(&east))
+    }
+
+    #[test]
+    fn at_a_pole_east_is_along_longitude_ninety_degrees() {
+        let quarter = core::f64::consts::FRAC_PI_2;
+        // North pole: north, coming along longitude 0, is -x; x along +x looks south.
+        for angle in [0.0, 0.3, 1.0, 2.5, -2.0] {
+            let look = Rotation::<Detector, Ecliptic>::about_z(angle);
+            let expected = libm::atan2(-libm::cos(angle), libm::sin(angle));
+            assert!((crossing_angle_rad(look) - expected).abs() < 1e-15, "{angle}");
+            // Near the pole along longitude 0 it is nearly the same.
+            let tilt = Rotation::<Ecliptic, Ecliptic>::about_y(1e-9);
+            assert!((crossing_angle_rad(look.then(tilt)) - expected).abs() < 1e-8, "{angle}");
+        }
+        // South pole, x along +x: north, coming along longitude 0, is +x.
+        let south = Rotation::<Detector, Ecliptic>::from_xyzw([1.0, 0.0, 0.0, 0.0]).unwrap();
+        assert!(south.z_axis().x.abs() + south.z_axis().y.abs() <= 0.0);
+        assert!((crossing_angle_rad(south) - quarter).abs() < 1e-15);
+        let tilted = south.then(Rotation::<Ecliptic, Ecliptic>::about_y(-1e-9));
+        assert!((crossing_angle_rad(tilted) - quarter).abs() < 1e-8);
+    }
+
+    #[test]
+    // REQ-ATT-1.
+    fn a_sweep_is_the_derivative_of_the_direction() {
+        let rotor = |rate, start| Rotor {
+            rate: TurnRate::from_radians_per_second(rate),
+            start: Phase::from_radians(start),
+        };
+        let scan = ScanStrategy::new(ScanParameters {
+            start: Instant::from_tai_ns(0),
+            alpha_rad: 0.7,
+            beta_rad: 0.6,
+            precession: rotor(-0.2, 0.3),
+            spin: rotor(0.5, -1.0),
+        })
+        .unwrap();
+        // A year of a minute, so that the orbit counts.
+        let sun = SunModel::Circular(rotor(0.1, 2.0));
+        let detector = Rotation::<Detector, Boresight>::about_z(0.4)
+            .then(Rotation::<Boresight, Boresight>::about_y(0.2));
+        let at = |ns: i64| Instant::from_tai_ns(ns);
+        for second in 0..40 {
+            let (ns, step_ns) = (second * 1_000_000_000, 50_000);
+            let look = |ns: i64| sweep(&scan, &sun, detector, at(ns)).unwrap();
+            let now = look(ns);
+            let own = detector.then(attitude(&scan, &sun, at(ns)).unwrap());
+            let off = own.then(now.attitude.inverse()).to_xyzw();
+            assert!(off[0].abs() + off[1].abs() + off[2].abs() < 1e-14);
+            assert!(now.direction.separation_rad(now.attitude.apply(Direction::Z)) < 1e-15);
+            assert!((now.crossing_angle_rad - crossing_by_vectors(now.attitude)).abs() < 1e-12);
+            let moved =
+                look(ns + step_ns).direction.vector() - look(ns - step_ns).direction.vector();
+            let velocity = moved / 1e-4;
+            let seen = now.attitude.inverse().rotate(velocity);
+            assert!((now.speed_rad_s - velocity.norm()).abs() < 1e-8, "{second}");
+            let beam = libm::remainder(
+                now.scan_beam_angle_rad - libm::atan2(seen.x, seen.y),
+                core::f64::consts::TAU,
+            );
+            assert!(beam.abs() < 1e-7, "{second}: {beam}");
+        }
     }
 }

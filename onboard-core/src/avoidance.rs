@@ -36,6 +36,7 @@ pub fn angle_to_field_rad(field: &FieldOfView, direction: Direction<Boresight>) 
 
 /// Why a limit cannot be.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum AvoidanceError {
     /// The angle (radians) is not in (0, pi].
     Angle(f64),

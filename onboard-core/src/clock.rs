@@ -33,6 +33,7 @@ const MAGIC: [u8; 8] = *b"GYRCLOCK";
 
 /// Why a record is refused, or has no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ClockError {
     /// The first bytes are not the magic.
     NotACorrelation,
@@ -228,6 +229,32 @@ mod tests {
         let early = ClockCorrelation { valid_from: Instant::from_tai_ns(4_999_999_000), ..RECORD };
         assert_eq!(early.instant(0), Err(ClockError::NotYetValid(early.valid_from)));
         assert_eq!(RECORD.instant(u64::MAX / 2), Err(ClockError::BeyondScale));
+    }
+
+    #[test]
+    // REQ-CLOCK-1.
+    fn both_ends_of_the_validity_are_valid() {
+        let tick_bits = ClockCorrelation::tick_of(1, 0);
+        let ends = (Instant::from_tai_ns(4_000), Instant::from_tai_ns(6_000));
+        let record = ClockCorrelation {
+            ticks: 5_000,
+            at: Instant::from_tai_ns(5_000),
+            tick_bits,
+            valid_from: ends.0,
+            valid_until: ends.1,
+            ..RECORD
+        };
+        assert_eq!(record.instant(6_000), Ok(ends.1));
+        assert_eq!(record.instant(6_001), Err(ClockError::Expired(ends.1)));
+        assert_eq!(record.instant(4_000), Ok(ends.0));
+        assert_eq!(record.instant(3_999), Err(ClockError::NotYetValid(ends.0)));
+        let read = |valid_until| {
+            let record = ClockCorrelation { valid_until, ..record };
+            ClockCorrelation::from_le_bytes(&record.to_le_bytes()).map(|_| ())
+        };
+        assert_eq!(read(ends.0), Ok(()), "valid at one instant");
+        assert_eq!(read(Instant::from_tai_ns(3_999)), Err(ClockError::Illegal));
+        assert_eq!(read(ends.1), Ok(()));
     }
 
     #[test]

@@ -37,6 +37,16 @@ pub(crate) const fn i64_from_f64(value: f64) -> i64 {
 }
 
 /// Integer part of an f64, saturating; NaN gives 0.
+pub(crate) const fn i32_from_f64(value: f64) -> i32 {
+    value as i32
+}
+
+/// The last two bits of a number of quarter turns.
+pub(crate) const fn quarter_from_u64(value: u64) -> i32 {
+    (value & 3) as i32
+}
+
+/// Integer part of an f64, saturating; NaN gives 0.
 pub(crate) const fn u32_from_f64(value: f64) -> u32 {
     value as u32
 }
@@ -84,6 +94,21 @@ pub(crate) const fn index_from_u32(value: u32) -> usize {
 /// A granule number as an index; saturates where it does not fit, and the look-up fails.
 pub(crate) const fn index_from_u64(value: u64) -> usize {
     if value as usize as u64 == value { value as usize } else { usize::MAX }
+}
+
+/// In a loop: on a flight computer, whose code is short of room, it stays one; no instruction of its
+/// own.
+#[inline]
+pub(crate) fn rolled() {
+    if cfg!(target_os = "none") {
+        core::hint::black_box(());
+    }
+}
+
+/// The same count, which the compiler on a flight computer does not know: a loop up to it is not
+/// written out count times.
+pub(crate) fn uncounted(count: usize) -> usize {
+    if cfg!(target_os = "none") { core::hint::black_box(count) } else { count }
 }
 
 #[cfg(test)]

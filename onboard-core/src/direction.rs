@@ -7,6 +7,7 @@
 //! Limits: the longitude of a pole is given as 0.
 
 use crate::trigonometry;
+use crate::vector::{cross, dot, times};
 use core::marker::PhantomData;
 use nalgebra::Vector3;
 
@@ -41,6 +42,9 @@ impl<F> Direction<F> {
     /// The direction along z.
     pub const Z: Self = Self { vector: Vector3::new(0.0, 0.0, 1.0), frame: PhantomData };
 
+    /// No direction: zeros, before one is known.
+    pub(crate) const NOWHERE: Self = Self::from_unit(Vector3::new(0.0, 0.0, 0.0));
+
     /// The direction of (x, y, z), normalised; `None` when the squared length is zero, so small that
     /// it has lost digits (below 1e-307), or not finite.
     #[must_use]
@@ -66,9 +70,9 @@ impl<F> Direction<F> {
     /// With e = 1 - |v|^2, `1/|v| = (1 - e)^(-1/2) = 1 + e/2 + 3 e^2/8 + ...`; below the limit on e
     /// the first term left out is 5 e^3 / 16 < 4e-17. Others go the long way.
     pub(crate) fn from_nearly_unit(v: Vector3<f64>) -> Option<Self> {
-        let e = 1.0 - (v.x * v.x + v.y * v.y + v.z * v.z);
+        let e = 1.0 - dot(v, v);
         if libm::fabs(e) < NEARLY_UNIT {
-            Some(Self::from_unit(v * (1.0 + e * (0.5 + 0.375 * e))))
+            Some(Self::from_unit(times(v, 1.0 + e * (0.5 + 0.375 * e))))
         } else {
             Self::new(v.x, v.y, v.z)
         }
@@ -90,13 +94,11 @@ impl<F> Direction<F> {
 
     /// Angle to another direction in radians, in [0, pi].
     #[must_use]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub fn separation_rad(self, other: Self) -> f64 {
         let (a, b) = (self.vector, other.vector);
-        let cross = a.cross(&b);
-        libm::atan2(
-            libm::sqrt(cross.x * cross.x + cross.y * cross.y + cross.z * cross.z),
-            a.x * b.x + a.y * b.y + a.z * b.z,
-        )
+        let across = cross(a, b);
+        libm::atan2(libm::sqrt(dot(across, across)), dot(a, b))
     }
 
     /// Longitude in radians from x towards y, in [-pi, pi]; 0 at a pole.
@@ -119,6 +121,11 @@ pub struct DirectionState<F> {
     pub direction: Direction<F>,
     /// Time derivative of the unit vector in 1/s, perpendicular to it.
     pub rate_per_s: [f64; 3],
+}
+
+impl<F> DirectionState<F> {
+    /// Zeros, before one is known.
+    pub(crate) const NOWHERE: Self = Self { direction: Direction::NOWHERE, rate_per_s: [0.0; 3] };
 }
 
 impl<F> Clone for DirectionState<F> {
@@ -204,5 +211,27 @@ mod tests {
         assert!(Direction::<Ecliptic>::new(1e-161, 3e-161, 0.0).is_none());
         let pole = Direction::<Ecliptic>::new(0.0, 0.0, -2.0).unwrap();
         assert!((pole.latitude_rad() + FRAC_PI_2).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_nearly_unit_vector_is_normalised_on_either_way() {
+        let v = Vector3::new(0.36, 0.48, -0.8);
+        for by in [1.0, 1.0 + 1e-9, 1.0 - 1e-7, 1.0 + 4e-6, 1.0 - 4e-6, 1.001, 0.9, 3.0, 1e-3] {
+            let own = Direction::<Ecliptic>::from_nearly_unit(v * by).unwrap().vector();
+            assert!((own - v).norm() < 3e-16, "{by}");
+        }
+        assert!(Direction::<Ecliptic>::from_nearly_unit(Vector3::zeros()).is_none());
+    }
+
+    #[test]
+    fn longitude_and_latitude_come_back() {
+        for (longitude, latitude) in [(0.3, 0.2), (-2.5, -1.1), (3.0, 1.5), (-0.1, 0.0)] {
+            let own = Direction::<Ecliptic>::from_longitude_latitude(longitude, latitude);
+            assert!((own.longitude_rad() - longitude).abs() < 1e-15);
+            assert!((own.latitude_rad() - latitude).abs() < 1e-15);
+            let turned = Direction::<Ecliptic>::from_longitude_latitude(longitude + 0.3, latitude);
+            let half = (0.15_f64.sin() * latitude.cos()).asin();
+            assert!((own.separation_rad(turned) - 2.0 * half).abs() < 1e-14);
+        }
     }
 }

@@ -35,8 +35,35 @@ pub enum FieldOfViewError {
 pub enum FieldShape {
     /// A circle of this radius.
     Circle(f64),
-    /// A rectangle of this width (along y) and height (along x).
-    Rectangle(f64, f64),
+    /// A rectangle.
+    Rectangle {
+        /// Its width, along y.
+        width_rad: f64,
+        /// Its height, along x.
+        height_rad: f64,
+    },
+}
+
+impl FieldShape {
+    /// Whether its sizes are in range.
+    ///
+    /// # Errors
+    /// [`FieldOfViewError`] names the size that is not.
+    #[inline(never)]
+    pub(crate) fn check(self) -> Result<(), FieldOfViewError> {
+        match self {
+            Self::Circle(radius) if !(radius > 0.0 && radius <= PI) => {
+                Err(FieldOfViewError::Radius(radius))
+            }
+            Self::Rectangle { width_rad, .. } if !(width_rad > 0.0 && width_rad < PI) => {
+                Err(FieldOfViewError::Side(width_rad))
+            }
+            Self::Rectangle { height_rad, .. } if !(height_rad > 0.0 && height_rad < PI) => {
+                Err(FieldOfViewError::Side(height_rad))
+            }
+            Self::Circle(_) | Self::Rectangle { .. } => Ok(()),
+        }
+    }
 }
 
 /// A set of directions fixed in the spacecraft.
@@ -68,7 +95,7 @@ impl FieldOfView {
     pub(crate) fn to_le_bytes(self) -> [u8; FIELD_BYTES] {
         let (first, second) = match self.shape {
             FieldShape::Circle(radius) => (radius, 0.0),
-            FieldShape::Rectangle(width, height) => (width, height),
+            FieldShape::Rectangle { width_rad, height_rad } => (width_rad, height_rad),
         };
         let axis = match self.caps {
             Caps::Circle => Vector3::zeros(),
@@ -94,7 +121,9 @@ impl FieldOfView {
     ) -> Result<Self, FieldOfViewError> {
         match shape {
             FieldShape::Circle(radius) => Self::circle(frame, radius),
-            FieldShape::Rectangle(width, height) => Self::rectangle(frame, width, height),
+            FieldShape::Rectangle { width_rad, height_rad } => {
+                Self::rectangle(frame, width_rad, height_rad)
+            }
         }
     }
 
@@ -106,9 +135,15 @@ impl FieldOfView {
         frame: Rotation<F, Boresight>,
         radius_rad: f64,
     ) -> Result<Self, FieldOfViewError> {
-        if !(radius_rad > 0.0 && radius_rad <= PI) {
-            return Err(FieldOfViewError::Radius(radius_rad));
-        }
+        Self::of_circle(frame.of_any_frame(), radius_rad)
+    }
+
+    #[inline(never)]
+    fn of_circle(
+        frame: Rotation<Boresight, Boresight>,
+        radius_rad: f64,
+    ) -> Result<Self, FieldOfViewError> {
+        FieldShape::Circle(radius_rad).check()?;
         let centre = frame.apply(Direction::Z).vector();
         let shape = FieldShape::Circle(radius_rad);
         Ok(Self { shape, centre, reach_rad: radius_rad, margin_rad: 0.0, caps: Caps::Circle })
@@ -123,18 +158,23 @@ impl FieldOfView {
         width_rad: f64,
         height_rad: f64,
     ) -> Result<Self, FieldOfViewError> {
-        for side in [width_rad, height_rad] {
-            if !(side > 0.0 && side < PI) {
-                return Err(FieldOfViewError::Side(side));
-            }
-        }
+        Self::of_rectangle(frame.of_any_frame(), width_rad, height_rad)
+    }
+
+    #[inline(never)]
+    fn of_rectangle(
+        frame: Rotation<Boresight, Boresight>,
+        width_rad: f64,
+        height_rad: f64,
+    ) -> Result<Self, FieldOfViewError> {
+        FieldShape::Rectangle { width_rad, height_rad }.check()?;
         let (sin_w, cos_w) = trigonometry::sin_cos(0.5 * width_rad);
         let (sin_h, cos_h) = trigonometry::sin_cos(0.5 * height_rad);
         let axis = |x: f64, y: f64, z: f64| frame.rotate(Vector3::new(x, y, z));
         // A corner lies at (tan h/2, tan w/2, 1).
         let (tan_w, tan_h) = (sin_w / cos_w, sin_h / cos_h);
         Ok(Self {
-            shape: FieldShape::Rectangle(width_rad, height_rad),
+            shape: FieldShape::Rectangle { width_rad, height_rad },
             centre: axis(0.0, 0.0, 1.0),
             reach_rad: libm::atan(libm::hypot(tan_w, tan_h)),
             margin_rad: 0.0,
@@ -186,8 +226,8 @@ impl FieldOfView {
         self.reach_rad
     }
 
-    pub(crate) const fn caps(&self) -> Caps {
-        self.caps
+    pub(crate) const fn caps(&self) -> &Caps {
+        &self.caps
     }
 
     /// The rectangle in its own axes; none for a circle.
@@ -258,5 +298,50 @@ mod tests {
             assert!(FieldOfView::rectangle(frame, 0.1, bad).is_err());
         }
         assert!(FieldOfView::circle(frame, PI).is_ok());
+    }
+
+    #[test]
+    // REQ-AVOID-1.
+    fn margins_add_up_and_end_where_all_is_inside() {
+        let frame = Rotation::<Telescope, Boresight>::IDENTITY;
+        let beside = |angle: f64| Direction::new(angle.sin(), 0.0, angle.cos()).unwrap();
+        let circle = FieldOfView::circle(frame, 0.3).unwrap();
+        let rectangle = FieldOfView::rectangle(frame, 0.2, 0.6).unwrap();
+        for field in [circle, rectangle] {
+            assert_eq!(field.margin_rad().to_bits(), 0);
+            let reach = field.reach_rad();
+            let once = field.enlarged(0.2).unwrap();
+            let twice = once.enlarged(0.5).unwrap();
+            assert!((once.margin_rad() - 0.2).abs() < 1e-15);
+            assert!((twice.margin_rad() - 0.7).abs() < 1e-15);
+            assert!((twice.reach_rad() - reach - 0.7).abs() < 1e-15);
+            assert_eq!(twice.shape(), field.shape());
+            for margin in [0.0, -0.1, PI - reach, 3.2] {
+                assert!(field.enlarged(margin).is_none(), "{margin}");
+            }
+            assert!(field.enlarged(PI - reach - 1e-9).is_some());
+            // Half the height, and the circle's radius, is 0.3 along x.
+            for (own, edge) in [(field, 0.3), (once, 0.5), (twice, 1.0)] {
+                assert!((own.angle_to_rad(beside(edge + 0.4)) - 0.4).abs() < 1e-14);
+                assert!(own.angle_to_rad(beside(edge - 0.01)) <= 0.0);
+                assert!(own.contains(beside(edge - 1e-9)) && !own.contains(beside(edge + 1e-9)));
+                assert!(own.contains(beside(1e-9 - edge)) && !own.contains(beside(-edge - 1e-9)));
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_end_where_they_say() {
+        let frame = Rotation::<Telescope, Boresight>::IDENTITY;
+        assert_eq!(
+            FieldOfView::circle(frame, PI.next_up()).err(),
+            Some(FieldOfViewError::Radius(PI.next_up()))
+        );
+        assert!(FieldOfView::rectangle(frame, PI.next_down(), 0.1).is_ok());
+        assert_eq!(FieldOfView::rectangle(frame, 0.1, PI).err(), Some(FieldOfViewError::Side(PI)));
+        let of = |shape| FieldOfView::new(frame, shape).map(|field| field.shape());
+        assert_eq!(of(FieldShape::Circle(0.2)), Ok(FieldShape::Circle(0.2)));
+        let shape = FieldShape::Rectangle { width_rad: 0.2, height_rad: 0.1 };
+        assert_eq!(of(shape), Ok(shape));
     }
 }

@@ -71,7 +71,9 @@
 
 mod convert;
 mod bytes;
+mod crc;
 mod trigonometry;
+mod vector;
 
 pub mod time;
 pub mod phase;
@@ -98,4 +100,5 @@ pub mod uplink;
 pub mod clock;
 pub mod record;
 pub mod sequencer;
+pub mod telemetry;
 mod sentence;

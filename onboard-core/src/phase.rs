@@ -14,7 +14,7 @@
 
 use crate::convert::{
     bits_from_i64, f64_from_i64, f64_from_u64, f64_from_u128, high_half, i64_from_f64, low_half,
-    signed_from_u64, wide, wide_bits_from_f64, wide_bits_from_i64,
+    quarter_from_u64, signed_from_u64, wide, wide_bits_from_f64, wide_bits_from_i64,
 };
 use crate::time::Duration;
 use crate::trigonometry;
@@ -93,8 +93,7 @@ impl Phase {
     pub fn sin_cos(self) -> (f64, f64) {
         let quarter = self.0.wrapping_add(1 << 61_u32) >> 62_u32;
         let rest = signed_from_u64(self.0.wrapping_sub(quarter.wrapping_shl(62)));
-        let near = trigonometry::sin_cos_eighth(f64_from_i64(rest) * RADIANS_PER_BIT);
-        trigonometry::turned(near, signed_from_u64(quarter) & 3)
+        trigonometry::sin_cos_of(f64_from_i64(rest) * RADIANS_PER_BIT, quarter_from_u64(quarter))
     }
 }
 
@@ -200,15 +199,14 @@ const fn nearest(above: u64, below: u128) -> Option<u128> {
     }
     // Long division, a bit at a time: the rest stays below the divisor, its double below 2^95.
     let mut quotient = 0_u128;
-    let mut bit = 0_u32;
-    while bit < 128 {
+    let mut bit = 1_u128 << 127_u32;
+    while bit != 0 {
         rest = rest.wrapping_shl(1);
-        quotient = quotient.wrapping_shl(1);
         if rest >= below {
             rest = rest.wrapping_sub(below);
-            quotient |= 1;
+            quotient |= bit;
         }
-        bit = bit.wrapping_add(1);
+        bit >>= 1;
     }
     if rest.wrapping_shl(1) >= below {
         quotient = quotient.wrapping_add(1);

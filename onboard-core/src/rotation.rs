@@ -32,6 +32,7 @@ use crate::direction::{Direction, root_near_one};
 use crate::frame::{Ecliptic, Icrf, OBLIQUITY_ARCSEC};
 use crate::phase::Phase;
 use crate::trigonometry;
+use crate::vector::{cross, plus, times, vector};
 use core::marker::PhantomData;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -76,16 +77,9 @@ impl<A, B> Rotation<A, B> {
     /// # Errors
     /// [`RotationError`] when a component is not finite or the norm is off by more than
     /// [`NORM_TOLERANCE`].
-    #[inline(never)]
     pub fn from_xyzw(xyzw: [f64; 4]) -> Result<Self, RotationError> {
+        let norm = norm(&xyzw)?;
         let [x, y, z, w] = xyzw;
-        let norm = libm::sqrt(x * x + y * y + z * z + w * w);
-        if !norm.is_finite() {
-            return Err(RotationError::NotFinite);
-        }
-        if libm::fabs(norm - 1.0) > NORM_TOLERANCE {
-            return Err(RotationError::NotUnit(norm));
-        }
         Ok(Self::from_parts(x / norm, y / norm, z / norm, w / norm))
     }
 
@@ -160,6 +154,11 @@ impl<A, B> Rotation<A, B> {
         Rotation { quaternion: self.quaternion.inverse(), frames: PhantomData }
     }
 
+    /// The same numbers, from any frame: for code that would otherwise stand once per frame.
+    pub(crate) const fn of_any_frame<C>(self) -> Rotation<C, B> {
+        Rotation { quaternion: self.quaternion, frames: PhantomData }
+    }
+
     /// A direction's components in `B`.
     #[must_use]
     pub fn apply(self, direction: Direction<A>) -> Direction<B> {
@@ -200,9 +199,8 @@ impl<A, B> Rotation<A, B> {
         )
     }
 
-    #[inline(never)]
     pub(crate) fn rotate(self, vector: Vector3<f64>) -> Vector3<f64> {
-        self.quaternion * vector
+        rotated(&self.quaternion, &vector)
     }
 }
 
@@ -212,6 +210,29 @@ impl Rotation<Icrf, Ecliptic> {
     pub fn by_obliquity() -> Self {
         Self::about_x(-(OBLIQUITY_ARCSEC / 3600.0).to_radians())
     }
+}
+
+/// The norm of a quaternion, where that is near one.
+#[inline(never)]
+fn norm([x, y, z, w]: &[f64; 4]) -> Result<f64, RotationError> {
+    let norm = libm::sqrt(x * x + y * y + z * z + w * w);
+    if !norm.is_finite() {
+        return Err(RotationError::NotFinite);
+    }
+    if libm::fabs(norm - 1.0) > NORM_TOLERANCE {
+        return Err(RotationError::NotUnit(norm));
+    }
+    Ok(norm)
+}
+
+/// Apart from [`Rotation::rotate`], whose frames would make it several functions.
+#[inline(never)]
+fn rotated(quaternion: &UnitQuaternion<f64>, from: &Vector3<f64>) -> Vector3<f64> {
+    // t = 2 q x v; v + w t + q x t.
+    let q = quaternion.quaternion().coords;
+    let axis = vector(q.x, q.y, q.z);
+    let t = times(cross(axis, *from), 2.0);
+    plus(plus(times(t, q.w), cross(axis, t)), *from)
 }
 
 /// Sine and cosine of half the angle whose sine and cosine are given, without cancellation.
@@ -228,7 +249,7 @@ fn half_angle(sin: f64, cos: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::{AntiSun, Ecliptic, Spin};
+    use crate::frame::{AntiSun, Boresight, Ecliptic, Spin};
     use proptest::prelude::*;
 
     fn close(a: [f64; 3], b: [f64; 3]) -> bool {
@@ -298,6 +319,31 @@ mod tests {
             }
             let [x, y, z, w] = r.then(r.inverse()).to_xyzw();
             prop_assert!(x.abs() < 2e-15 && y.abs() < 2e-15 && z.abs() < 2e-15 && (w - 1.0).abs() < 2e-15);
+        }
+    }
+
+    #[test]
+    fn a_quaternion_is_normalised_within_the_tolerance() {
+        let unit = [0.1, -0.5, 0.7, 0.5];
+        let stretched =
+            |by: f64| Rotation::<Boresight, Boresight>::from_xyzw(unit.map(|it| by * it));
+        for by in [1.0, 1.0 + 0.9 * NORM_TOLERANCE, 1.0 - 0.9 * NORM_TOLERANCE] {
+            let own = stretched(by).unwrap().to_xyzw();
+            assert!(own.iter().zip(unit).all(|(own, it)| (own - it).abs() < 1e-15), "{own:?}");
+        }
+        for by in [1.0 + 1.1 * NORM_TOLERANCE, 1.0 - 1.1 * NORM_TOLERANCE] {
+            assert!(
+                matches!(stretched(by), Err(RotationError::NotUnit(norm)) if (norm - by).abs() < 1e-15)
+            );
+        }
+        for place in 0..4 {
+            let mut alone = [0.0; 4];
+            alone[place] = 1.0;
+            let own = Rotation::<Boresight, Boresight>::from_xyzw(alone).unwrap().to_xyzw();
+            assert_eq!(own.map(|it| it.abs().to_bits()), alone.map(f64::to_bits));
+            alone[place] = f64::INFINITY;
+            let refused = Rotation::<Boresight, Boresight>::from_xyzw(alone);
+            assert!(matches!(refused, Err(RotationError::NotFinite)));
         }
     }
 }

@@ -73,7 +73,9 @@ impl<const BINS: usize> TargetVisits<BINS> {
             dwell_sum: fixed.dwell_sum,
             longest_gap: fixed.longest_gap,
             last: fixed.last,
-            ..Self::EMPTY
+            dwell: Histogram::EMPTY,
+            revisit: Histogram::EMPTY,
+            gap: Histogram::EMPTY,
         };
         let mut rest = record.get(FIRST_COUNT..).unwrap_or(&[]);
         for histogram in [&mut visits.dwell, &mut visits.revisit, &mut visits.gap] {

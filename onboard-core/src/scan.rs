@@ -110,8 +110,8 @@ impl ScanStrategy {
     /// No motion; not a legal strategy.
     pub(crate) const STILL: Self = Self {
         parameters: ScanParameters::STILL,
-        half_alpha: (0.0, 1.0),
-        half_beta: (0.0, 1.0),
+        half_alpha: (0.0, 0.0),
+        half_beta: (0.0, 0.0),
         rates_rad_s: (0.0, 0.0),
     };
 
@@ -124,6 +124,7 @@ impl ScanStrategy {
         Ok(Self::of_checked(parameters))
     }
 
+    #[inline(never)]
     pub(crate) fn check(parameters: &ScanParameters) -> Result<(), ScanError> {
         let (alpha, beta) = (parameters.alpha_rad, parameters.beta_rad);
         if !(0.0..=PI).contains(&alpha) {

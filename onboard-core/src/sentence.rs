@@ -11,6 +11,9 @@ use crate::record::RecordError;
 use crate::rotation::RotationError;
 use crate::scan::ScanError;
 use crate::sequencer::SettingsError;
+use crate::telemetry::PacketError;
+#[cfg(not(target_os = "none"))]
+use crate::telemetry::TelemetryError;
 use crate::tracking::{MeasurementRefusal, ResumeError, TrackerSettingsError};
 use crate::uplink::{
     FlashError, MissionChangeError, MissionError, NoTables, PlanError, RollbackError,
@@ -248,6 +251,24 @@ sentences! { SlotState {
 
 sentences! { NoTables {
     Self { .. } => "neither slot holds tables",
+} }
+
+sentences! { PacketError {
+    Self::Version(_) => "the packet's version number is not 0",
+    Self::Telecommand => "the packet is a telecommand",
+    Self::Segment(_) => "the packet is a part of a longer unit",
+} }
+
+#[cfg(not(target_os = "none"))]
+sentences! { TelemetryError {
+    Self::Length(_) => "the payload has another length than its kind takes",
+    Self::Version(_) => "the payload's first byte is another version's",
+    Self::Kind(_) => "the payload's kind is unknown",
+    Self::Damaged => "the payload is damaged",
+    Self::State(_) => "the payload's state is unknown",
+    Self::Reason(_) => "the payload's reason is unknown, or no reason of its kind",
+    Self::Check(_) => "the payload's stage of a check is unknown",
+    Self::Illegal => "a word of the payload has a value that it cannot have",
 } }
 
 #[cfg(test)]

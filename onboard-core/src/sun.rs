@@ -14,7 +14,8 @@ use crate::ephemeris::{BodyTable, EphemerisError};
 use crate::frame::{AntiSun, Ecliptic};
 use crate::phase::Rotor;
 use crate::rotation::Rotation;
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
+use crate::vector::{cross, minus, plus, times, vector};
 use nalgebra::Vector3;
 
 /// The Sun-to-spacecraft direction over the mission.
@@ -36,31 +37,28 @@ impl SunModel<'_> {
         start: Instant,
         at: Instant,
     ) -> Result<DirectionState<Ecliptic>, EphemerisError> {
-        match self {
-            Self::Circular(longitude) => {
-                let (sin, cos) = longitude.phase(at.since(start)).sin_cos();
-                let rate = longitude.rate.radians_per_second();
-                Ok(DirectionState {
-                    direction: Direction::from_unit(Vector3::new(cos, sin, 0.0)),
-                    rate_per_s: [-rate * sin, rate * cos, 0.0],
-                })
-            }
-            Self::Table(body) => body.state(at),
-        }
+        let mut state = DirectionState::NOWHERE;
+        self.place_state(start, at, &mut state)?;
+        Ok(state)
     }
 
-    /// As [`Self::state`], with the instant up to which the bounds hold without a break.
+    /// As [`Self::state`], written in place, with the instant up to which the bounds hold without a
+    /// break.
     ///
     /// # Errors
     /// [`EphemerisError::OutOfSpan`] beyond the table.
-    pub(crate) fn state_until(
+    pub(crate) fn place_state(
         &self,
         start: Instant,
         at: Instant,
-    ) -> Result<(DirectionState<Ecliptic>, Instant), EphemerisError> {
+        state: &mut DirectionState<Ecliptic>,
+    ) -> Result<Instant, EphemerisError> {
         match self {
-            Self::Circular(_) => Ok((self.state(start, at)?, Instant::from_tai_ns(i64::MAX))),
-            Self::Table(body) => body.state_until(at),
+            Self::Circular(longitude) => {
+                place_circular(*longitude, at.since(start), state);
+                Ok(Instant::from_tai_ns(i64::MAX))
+            }
+            Self::Table(body) => body.place_state(at, state),
         }
     }
 
@@ -93,6 +91,15 @@ impl SunModel<'_> {
     }
 }
 
+/// The state of a uniform motion in longitude, so long after its start.
+#[cfg_attr(target_os = "none", inline(never))]
+fn place_circular(longitude: Rotor, elapsed: Duration, state: &mut DirectionState<Ecliptic>) {
+    let (sin, cos) = longitude.phase(elapsed).sin_cos();
+    let rate = longitude.rate.radians_per_second();
+    state.direction = Direction::from_unit(Vector3::new(cos, sin, 0.0));
+    state.rate_per_s = [-rate * sin, rate * cos, 0.0];
+}
+
 /// Angular velocity in rad/s of the [`AntiSun`] frame that follows `sun`, components in [`Ecliptic`].
 ///
 /// `omega = longitude' north + latitude' y`, y level: with n the direction, v its rate and rho the
@@ -102,7 +109,7 @@ pub(crate) fn frame_angular_velocity(sun: &DirectionState<Ecliptic>) -> Vector3<
     let [vx, vy, vz] = sun.rate_per_s;
     let rho2 = n.x * n.x + n.y * n.y;
     let per_rho2 = if rho2 > 0.0 { 1.0 / rho2 } else { 0.0 };
-    Vector3::new(vz * n.y, -vz * n.x, n.x * vy - n.y * vx) * per_rho2
+    times(vector(vz * n.y, -vz * n.x, n.x * vy - n.y * vx), per_rho2)
 }
 
 /// The axes of [`AntiSun`] in [`Ecliptic`], and how they turn.
@@ -130,15 +137,15 @@ impl AntiSunAxes {
         let longitude_rate = (cos_lon * vy - sin_lon * vx) / safe_rho;
         let latitude_rate = vz / safe_rho;
         let north = Vector3::new(0.0, 0.0, longitude_rate);
-        Self { x, y, z, angular_velocity: north + y * latitude_rate }
+        Self { x, y, z, angular_velocity: plus(north, times(y, latitude_rate)) }
     }
 
     /// A direction's components in [`AntiSun`], and their rate, the frame's own motion included.
     #[must_use]
-    pub fn view(&self, target: &DirectionState<Ecliptic>) -> DirectionState<AntiSun> {
+    pub fn in_anti_sun(&self, target: &DirectionState<Ecliptic>) -> DirectionState<AntiSun> {
         let p = target.direction.vector();
         let [vx, vy, vz] = target.rate_per_s;
-        let relative = Vector3::new(vx, vy, vz) - self.angular_velocity.cross(&p);
+        let relative = minus(vector(vx, vy, vz), cross(self.angular_velocity, p));
         let seen = self.components(p);
         let rate = self.components(relative);
         DirectionState {
@@ -210,7 +217,7 @@ mod tests {
                 rate_per_s: [0.0; 3],
             };
             let axes = AntiSunAxes::new(&sun);
-            let there = axes.view(&DirectionState {
+            let there = axes.in_anti_sun(&DirectionState {
                 direction: Direction::from_longitude_latitude(0.3, 0.4),
                 rate_per_s: [0.0; 3],
             });
@@ -246,11 +253,81 @@ mod tests {
             for (a, b) in whole.iter().zip(direct.iter()) {
                 prop_assert!((a - b).abs() < 1e-14 / lat.cos());
             }
-            let at = |t: f64| AntiSunAxes::new(&sun(t)).view(&target);
+            let at = |t: f64| AntiSunAxes::new(&sun(t)).in_anti_sun(&target);
             let (after, before) = (at(h).direction.xyz(), at(-h).direction.xyz());
             for ((a, b), rate) in after.iter().zip(before).zip(at(0.0).rate_per_s) {
                 prop_assert!(((a - b) / (2.0 * h) - rate).abs() < 1e-8 / lat.cos().powi(3));
             }
+        }
+    }
+
+    /// The Sun's direction swings in longitude and latitude.
+    fn swinging(t: f64, [a, b, fast, slow]: [f64; 4]) -> DirectionState<Ecliptic> {
+        let (lon, lat) = (a * libm::sin(fast * t), b * libm::sin(slow * t));
+        let (dlon, dlat) = (a * fast * libm::cos(fast * t), b * slow * libm::cos(slow * t));
+        let ((sl, cl), (sb, cb)) = (libm::sincos(lon), libm::sincos(lat));
+        DirectionState {
+            direction: Direction::from_longitude_latitude(lon, lat),
+            rate_per_s: [
+                -sb * cl * dlat - cb * sl * dlon,
+                -sb * sl * dlat + cb * cl * dlon,
+                cb * dlat,
+            ],
+        }
+    }
+
+    #[test]
+    fn the_relative_motion_stays_within_its_bounds() {
+        let (h, mut rates, mut accelerations) = (1e-4, [0.0_f64; 2], [0.0_f64; 2]);
+        // Slow swings turn the frame, quick ones change how it turns; the target at rest, or moving.
+        for (index, numbers) in
+            [[1.5, 0.3, 0.2, 0.1], [0.02, 0.001, 2.0, 1.0], [0.01, 0.3, 3.0, 0.5]]
+                .iter()
+                .enumerate()
+        {
+            for speed in [0.0, 0.7] {
+                let sun = |t: f64| swinging(t, *numbers);
+                let target = |t: f64| DirectionState::<Ecliptic> {
+                    direction: Direction::from_longitude_latitude(0.4 + speed * t, 0.1),
+                    rate_per_s: [
+                        -speed * libm::cos(0.1) * libm::sin(0.4 + speed * t),
+                        speed * libm::cos(0.1) * libm::cos(0.4 + speed * t),
+                        0.0,
+                    ],
+                };
+                let norm = |v: [f64; 3]| Vector3::from(v).norm();
+                let change = |after: [f64; 3], before: [f64; 3]| {
+                    (Vector3::from(after) - Vector3::from(before)).norm() / (2.0 * h)
+                };
+                let times = || (0..4_000).map(|k| f64::from(k) * 0.02);
+                let most = |f: &dyn Fn(f64) -> f64| times().map(f).fold(0.0_f64, f64::max);
+                let bounds = MotionBounds {
+                    rate_rad_s: most(&|t| norm(sun(t).rate_per_s)),
+                    acceleration_per_s2: most(&|t| {
+                        change(sun(t + h).rate_per_s, sun(t - h).rate_per_s)
+                    }),
+                    max_abs_z: most(&|t| sun(t).direction.xyz()[2].abs()),
+                };
+                let own = MotionBounds {
+                    rate_rad_s: speed,
+                    acceleration_per_s2: speed * speed,
+                    max_abs_z: 0.1,
+                };
+                let limit = RelativeBounds::new(&bounds, &own);
+                let seen = |t: f64| AntiSunAxes::new(&sun(t)).in_anti_sun(&target(t));
+                for t in times() {
+                    let rate = norm(seen(t).rate_per_s) / limit.rate;
+                    let acceleration =
+                        change(seen(t + h).rate_per_s, seen(t - h).rate_per_s) / limit.acceleration;
+                    let kind = usize::from(index > 0);
+                    rates[kind] = rates[kind].max(rate);
+                    accelerations[kind] = accelerations[kind].max(acceleration);
+                }
+            }
+        }
+        for (kind, (rate, acceleration)) in rates.into_iter().zip(accelerations).enumerate() {
+            assert!(rate > 0.7 && rate < 1.0 + 1e-3, "{kind}: {rate}");
+            assert!(acceleration > 0.4 && acceleration < 1.0 + 1e-3, "{kind}: {acceleration}");
         }
     }
 }

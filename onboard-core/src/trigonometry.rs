@@ -12,7 +12,7 @@
 //! 1 KiB of stack; no angle of this crate needs that (`docs/decisions/0005-own-sine.md`). Tested
 //! against `libm` below, and through the attitude against 50-digit arithmetic.
 
-use crate::convert::i64_from_f64;
+use crate::convert::i32_from_f64;
 use core::f64::consts::{FRAC_2_PI, TAU};
 
 /// Largest angle that is reduced without loss, rad.
@@ -24,7 +24,7 @@ const QUARTER_LOW: f64 = 6.077_100_506_506_192e-11;
 
 /// Sine and cosine of an angle in radians; NaN for what is not finite.
 #[must_use]
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(crate) fn sin_cos(angle_rad: f64) -> (f64, f64) {
     let angle = if libm::fabs(angle_rad) > LONGEST_RAD {
         let turns = angle_rad / TAU;
@@ -34,7 +34,7 @@ pub(crate) fn sin_cos(angle_rad: f64) -> (f64, f64) {
     };
     let quarters = libm::rint(angle * FRAC_2_PI);
     let rest = (angle - quarters * QUARTER_HIGH) - quarters * QUARTER_LOW;
-    turned(sin_cos_eighth(rest), i64_from_f64(quarters) & 3)
+    sin_cos_of(rest, i32_from_f64(quarters) & 3)
 }
 
 /// Sine of an angle in radians.
@@ -50,7 +50,7 @@ pub(crate) fn cos(angle_rad: f64) -> f64 {
 }
 
 /// The sine and cosine of an angle that is greater by so many quarter turns, 0 to 3.
-pub(crate) const fn turned((sin, cos): (f64, f64), quarters: i64) -> (f64, f64) {
+const fn turned((sin, cos): (f64, f64), quarters: i32) -> (f64, f64) {
     match quarters {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -59,9 +59,14 @@ pub(crate) const fn turned((sin, cos): (f64, f64), quarters: i64) -> (f64, f64) 
     }
 }
 
+/// Sine and cosine of an angle of at most an eighth of a turn and so many quarter turns, 0 to 3.
+#[cfg_attr(target_os = "none", inline(never))]
+pub(crate) const fn sin_cos_of(rest_rad: f64, quarters: i32) -> (f64, f64) {
+    turned(sin_cos_eighth(rest_rad), quarters)
+}
+
 /// Sine and cosine of an angle of at most an eighth of a turn.
-#[inline(never)]
-pub(crate) const fn sin_cos_eighth(x: f64) -> (f64, f64) {
+const fn sin_cos_eighth(x: f64) -> (f64, f64) {
     let z = x * x;
     let odd = series(
         z,

@@ -24,6 +24,7 @@ impl ScanCovariance {
 
     /// Variance of `g . error`, for a gradient in the same order; never negative.
     #[must_use]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub fn along(&self, gradient: [f64; 3]) -> f64 {
         let [a, b, c] = gradient;
         let [aa, bb, cc] = self.variances;

@@ -90,6 +90,7 @@ impl Bins {
 
     /// Lower edge in seconds of bin `index` of `count`; the upper end for `index == count`.
     #[must_use]
+    #[inline(never)]
     pub fn edge_s(&self, index: usize, count: usize) -> f64 {
         if index == 0 {
             return self.low_s;
@@ -155,15 +156,7 @@ impl<const BINS: usize> Histogram<BINS> {
     pub(crate) const EMPTY: Self = Self { counts: [0; BINS], under: 0, over: 0 };
 
     fn count(&mut self, bins: &Bins, value: Duration) {
-        let counter = match bins.bin(value.seconds(), BINS) {
-            HistogramBin::Underflow => &mut self.under,
-            HistogramBin::Overflow => &mut self.over,
-            HistogramBin::Bin(index) => match self.counts.get_mut(index) {
-                Some(counter) => counter,
-                None => return,
-            },
-        };
-        *counter = counter.saturating_add(1);
+        count(bins, value, &mut self.counts, [&mut self.under, &mut self.over]);
     }
 
     /// All values counted, saturating.
@@ -172,6 +165,20 @@ impl<const BINS: usize> Histogram<BINS> {
         let outside = self.under.saturating_add(self.over);
         self.counts.iter().fold(outside, |sum, count| sum.saturating_add(*count))
     }
+}
+
+/// Counts a value in its bin, or under or over all bins.
+#[inline(never)]
+fn count(bins: &Bins, value: Duration, counts: &mut [u32], [under, over]: [&mut u32; 2]) {
+    let counter = match bins.bin(value.seconds(), counts.len()) {
+        HistogramBin::Underflow => under,
+        HistogramBin::Overflow => over,
+        HistogramBin::Bin(index) => match counts.get_mut(index) {
+            Some(counter) => counter,
+            None => return,
+        },
+    };
+    *counter = counter.saturating_add(1);
 }
 
 /// What is known of one target's visits.
@@ -264,6 +271,7 @@ pub struct Divisions {
 
 /// Why a visit is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum VisitError {
     /// No target has this index.
     NoSuchTarget(usize),
@@ -342,5 +350,161 @@ impl<'m, const BINS: usize> VisitLog<'m, BINS> {
     #[must_use]
     pub const fn divisions(&self) -> &Divisions {
         &self.divisions
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use HistogramBin::{Bin, Overflow, Underflow};
+
+    #[test]
+    fn bins_hold_their_lower_edge() {
+        let linear = Bins::new(Spacing::Linear, 10.0, 30.0).unwrap();
+        let edges: [f64; 5] = core::array::from_fn(|index| linear.edge_s(index, 4));
+        assert_eq!(edges.map(f64::to_bits), [10.0, 15.0, 20.0, 25.0, 30.0].map(f64::to_bits));
+        assert_eq!(linear.edge_s(9, 4).to_bits(), 30.0_f64.to_bits());
+        let logarithmic = Bins::new(Spacing::Logarithmic, 1.0, 1e4).unwrap();
+        for (index, edge) in [1.0, 10.0, 100.0, 1e3, 1e4].into_iter().enumerate() {
+            assert!((logarithmic.edge_s(index, 4) / edge - 1.0).abs() < 1e-14);
+        }
+        for bins in [linear, logarithmic, Bins::new(Spacing::Logarithmic, 0.3, 77.7).unwrap()] {
+            for count in [1, 4, 7, 1_000] {
+                for index in 0..count {
+                    let (low, high) = (bins.edge_s(index, count), bins.edge_s(index + 1, count));
+                    assert!(low < high);
+                    assert_eq!(bins.bin(low, count), Bin(index), "{bins:?} {count}");
+                    assert_eq!(bins.bin(0.5 * (low + high), count), Bin(index));
+                    assert_eq!(bins.bin(high.next_down(), count), Bin(index));
+                }
+                assert_eq!(bins.bin(bins.edge_s(count, count), count), Overflow);
+                assert_eq!(bins.bin(bins.edge_s(0, count).next_down(), count), Underflow);
+                assert_eq!(bins.bin(f64::NAN, count), Underflow);
+            }
+            assert_eq!(bins.bin(bins.edge_s(0, 1), 0), Underflow, "no bins");
+        }
+    }
+
+    #[test]
+    fn ends_are_checked() {
+        let linear = |low, high| Bins::new(Spacing::Linear, low, high).map(|_| ());
+        let logarithmic = |low, high| Bins::new(Spacing::Logarithmic, low, high).map(|_| ());
+        assert_eq!(linear(0.0, 1.0), Ok(()));
+        assert_eq!(logarithmic(1e-9, 1.0), Ok(()));
+        let below = 1e-9_f64.next_down();
+        assert_eq!(logarithmic(below, 1.0), Err(BinsError::Low(below)));
+        assert_eq!(linear(-1e-300, 1.0), Err(BinsError::Low(-1e-300)));
+        assert_eq!(linear(f64::INFINITY, 1.0), Err(BinsError::Low(f64::INFINITY)));
+        assert_eq!(linear(1.0, 1.0), Err(BinsError::High(1.0)));
+        assert_eq!(linear(1.0, 0.5), Err(BinsError::High(0.5)));
+        assert_eq!(linear(1.0, f64::INFINITY), Err(BinsError::High(f64::INFINITY)));
+    }
+
+    #[test]
+    fn a_record_tells_spacing_and_ends() {
+        let bytes = |spacing, low, high| Bins::new(spacing, low, high).unwrap().to_le_bytes();
+        let own = bytes(Spacing::Linear, 1.0, 2.0);
+        assert_eq!(own[..8], 1.0_f64.to_le_bytes());
+        assert_eq!(own[8..16], 2.0_f64.to_le_bytes());
+        assert_eq!(own[16], 0);
+        assert_eq!(bytes(Spacing::Logarithmic, 1.0, 2.0)[16], 1);
+    }
+
+    fn at(seconds: i64) -> Instant {
+        Instant::from_tai_ns(seconds * 1_000_000_000)
+    }
+
+    fn visit(entry: i64, exit: i64, clipped: (bool, bool)) -> Transit {
+        Transit {
+            channel: 0,
+            entry: at(entry),
+            exit: at(exit),
+            closest: at(entry),
+            min_separation_rad: 0.0,
+            entry_clipped: clipped.0,
+            exit_clipped: clipped.1,
+        }
+    }
+
+    /// Bins of 10 s from 10 s to 40 s.
+    fn logged(visits: &[Transit]) -> TargetVisits<3> {
+        let bins = Bins::new(Spacing::Linear, 10.0, 40.0).unwrap();
+        let divisions = Divisions { dwell: bins, revisit: bins, gap: bins };
+        let mut targets = [TargetVisits::EMPTY];
+        let mut log = VisitLog::new(&divisions, &mut targets);
+        assert_eq!(log.divisions(), &divisions);
+        for it in visits {
+            log.record(0, it).unwrap();
+        }
+        log.targets()[0]
+    }
+
+    const WHOLE: (bool, bool) = (false, false);
+
+    #[test]
+    // REQ-VISIT-1.
+    fn whole_visits_tell_dwell_revisit_and_gap() {
+        // Dwells 15, 25, 5, 45 s; revisits 35, 65, 15 s; gaps 20, 40, 10 s.
+        let told = logged(&[
+            visit(0, 15, WHOLE),
+            visit(35, 60, WHOLE),
+            visit(100, 105, WHOLE),
+            visit(115, 160, WHOLE),
+        ]);
+        assert_eq!((told.visits, told.clipped), (4, 0));
+        assert_eq!(told.dwell_sum, Duration::from_ns(90_000_000_000));
+        assert_eq!(told.longest_gap, Some(Duration::from_ns(40_000_000_000)));
+        assert_eq!(told.dwell, Histogram { counts: [1, 1, 0], under: 1, over: 1 });
+        assert_eq!(told.revisit, Histogram { counts: [1, 0, 1], under: 0, over: 1 });
+        assert_eq!(told.gap, Histogram { counts: [1, 1, 0], under: 0, over: 1 });
+        assert_eq!((told.dwell.total(), told.gap.total()), (4, 3));
+        let last =
+            LastVisit { entry: at(115), exit: at(160), entry_clipped: false, exit_clipped: false };
+        assert_eq!(told.last, Some(last));
+    }
+
+    #[test]
+    // REQ-VISIT-1.
+    fn cut_edges_tell_nothing() {
+        let after = visit(30, 50, WHOLE);
+        for (clipped, revisits, gaps) in
+            [((true, false), 0, 1), ((false, true), 1, 0), ((true, true), 0, 0), (WHOLE, 1, 1)]
+        {
+            let told = logged(&[visit(0, 15, clipped), after]);
+            let cut = u32::from(clipped != WHOLE);
+            assert_eq!((told.visits, told.clipped), (2, cut));
+            assert_eq!(told.dwell.total(), 2 - cut);
+            assert_eq!((told.revisit.total(), told.gap.total()), (revisits, gaps), "{clipped:?}");
+            assert_eq!(told.longest_gap.is_some(), gaps > 0);
+        }
+        let told = logged(&[visit(0, 15, WHOLE), visit(30, 50, (true, false))]);
+        assert_eq!((told.revisit.total(), told.gap.total(), told.clipped), (0, 0, 1));
+        let told = logged(&[visit(0, 15, WHOLE), visit(30, 50, (false, true))]);
+        assert_eq!((told.revisit.total(), told.gap.total(), told.clipped), (1, 1, 1));
+        assert_eq!(told.last.map(|it| (it.entry_clipped, it.exit_clipped)), Some((false, true)));
+    }
+
+    #[test]
+    // REQ-VISIT-1.
+    fn visits_come_in_order_and_do_not_overlap() {
+        let bins = Bins::new(Spacing::Linear, 10.0, 40.0).unwrap();
+        let divisions = Divisions { dwell: bins, revisit: bins, gap: bins };
+        let mut targets = [TargetVisits::<3>::EMPTY];
+        let mut log = VisitLog::new(&divisions, &mut targets);
+        let mut told = |entry, exit| log.record(0, &visit(entry, exit, WHOLE));
+        assert_eq!(told(10, 10), Ok(()), "an instant is a visit");
+        assert_eq!(told(10, 20), Ok(()), "it begins where the last ended");
+        let reversed = VisitError::Reversed { entry: at(30), exit: at(29) };
+        assert_eq!(told(30, 29), Err(reversed));
+        let early = VisitError::OutOfOrder { entry: at(9), latest: at(10) };
+        assert_eq!(told(9, 40), Err(early));
+        for entry in [10, 19] {
+            let overlap = VisitError::Overlap { entry: at(entry), exit: at(20) };
+            assert_eq!(told(entry, 40), Err(overlap));
+        }
+        assert_eq!(told(20, 40), Ok(()));
+        let nobody = log.record(1, &visit(50, 60, WHOLE));
+        assert_eq!(nobody, Err(VisitError::NoSuchTarget(1)));
+        assert_eq!(log.targets()[0].visits, 3);
     }
 }

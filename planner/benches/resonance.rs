@@ -1,8 +1,8 @@
 //! How long do a scan, the check of a tolerance box and the cross-link means take, beside simulation.
 //!
 //! Two tables, all of it from one run on one thread, every predictor new: the best of several passes
-//! of the closed forms, one pass of the survey kernel over a year. `--test` makes one short pass of
-//! each.
+//! of the closed forms, one pass of the survey kernel over a year. `cargo test --benches` makes one
+//! short pass of each.
 
 #![expect(clippy::print_stdout, reason = "a bench tells")]
 
@@ -113,7 +113,8 @@ fn simulated_seconds(nside: Nside, (precession_ms, spin_s): (u64, u64), samples:
 }
 
 fn main() {
-    let test = std::env::args().any(|it| it == "--test");
+    // Cargo gives `--bench` to `cargo bench` alone.
+    let test = !std::env::args().any(|argument| argument == "--bench");
     let samples = if test { 1 << 16 } else { 31_557_600 * HZ };
     let passes = if test { 1 } else { 7 };
     println!("alpha 45 deg, beta 50 deg, nside 128, seconds");

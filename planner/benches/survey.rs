@@ -1,7 +1,7 @@
 //! How many samples per second does the survey kernel take, beside a plain implementation.
 //!
 //! One table, all of it from one run: the best of several passes for each line, so that a busy machine
-//! disturbs it least. `--test` makes one short pass of each.
+//! disturbs it least. `cargo test --benches` makes one short pass of each.
 
 #![expect(clippy::print_stdout, reason = "a bench tells")]
 #![expect(clippy::cast_precision_loss, reason = "rates in words")]
@@ -173,7 +173,8 @@ fn arithmetic_seconds(threads: usize, steps: u64) -> f64 {
 type Line = (&'static str, u32, &'static [(f64, f64)]);
 
 fn main() {
-    let test = std::env::args().any(|argument| argument == "--test");
+    // Cargo gives `--bench` to `cargo bench` alone.
+    let test = !std::env::args().any(|argument| argument == "--bench");
     let (passes, days) = if test { (1, 1) } else { (7, 40) };
     let best =
         |measure: &dyn Fn() -> f64| (0..passes).map(|_| measure()).fold(f64::INFINITY, f64::min);

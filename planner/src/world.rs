@@ -144,6 +144,7 @@ fn told(error: EphemerisError) -> String {
         }
         EphemerisError::NoSuchBody(number) => format!("body {number} is not in the table"),
         EphemerisError::OutOfSpan(at) => format!("{} TDB lies outside the table", format_tdb(at)),
+        other => other.to_string(),
     }
 }
 

@@ -305,7 +305,7 @@ fn a_limit_that_nothing_can_keep_is_named() {
 fn angles_have_a_legal_range() {
     for bad in [0.0, -0.1, 3.2, f64::NAN] {
         let error = AvoidanceLimit::new(301, bad).unwrap_err();
-        let AvoidanceError::Angle(angle) = error;
+        let AvoidanceError::Angle(angle) = error else { panic!("{error:?}") };
         assert_eq!(angle.to_bits(), bad.to_bits());
     }
     assert_eq!(AvoidanceLimit::new(399, PI).unwrap().body(), 399);

@@ -59,10 +59,22 @@ fn what_stands_apart_links_the_same_arithmetic() {
         "tests/rtos/Cargo.lock",
     ] {
         let theirs = versions(lock);
-        for name in ["nalgebra", "libm", "heapless", "crc", "serde", "simba", "num-traits"] {
+        for name in ["nalgebra", "libm", "heapless", "serde", "simba", "num-traits"] {
             let found = theirs.get(name).unwrap_or_else(|| panic!("{name} is not in {lock}"));
             let [version] = &found[..] else { panic!("{name} twice in {lock}") };
             assert!(ours[name].contains(version), "{name} {version} in {lock}, {:?}", ours[name]);
         }
+    }
+}
+
+/// The compilers that bits and budgets were recorded with are named where the budgets are explained.
+#[test]
+fn the_compilers_of_the_budgets_are_named() {
+    let recorded = read_toml("tests/firmware/budget.toml");
+    let recorded = |key: &str| recorded["compiler"][key].as_str().unwrap().to_owned();
+    let page = std::fs::read_to_string(root().join("docs/onboard.md")).unwrap();
+    for version in [recorded("host"), recorded("thumb")] {
+        assert_eq!(version.split('.').count(), 3, "{version} is one version");
+        assert!(page.contains(&format!("Rust {version}")), "docs/onboard.md names no {version}");
     }
 }

@@ -1,11 +1,11 @@
 //! What others read and write: rows as CSV, JSON lines and Parquet, maps in FITS, a plan's timeline and
 //! calendar, attitudes for operations and simulators, the container that goes on board, test vectors,
-//! attitude histories.
+//! attitude histories, telemetry.
 //!
 //! Modules stand in the order that data flows: what every file needs ([`degrees`], [`rows`], [`fits`]);
 //! what is told of [`resonance`], [`visits`] and a [`survey`]; a plan's [`timeline`], its [`calendar`],
 //! [`attitude`] and pointing [`periods`], and the [`products`] that its folder holds; what goes on
-//! board ([`uplink`]) and tests it ([`vectors`]); what comes back ([`history`]).
+//! board ([`uplink`]) and tests it ([`vectors`]); what comes back ([`history`], [`telemetry`]).
 //!
 //! Nothing is printed here and no file is named: writers take a [`std::io::Write`] or give bytes,
 //! readers take a text or a path.
@@ -49,5 +49,6 @@ pub mod flown;
 pub mod sequence;
 pub mod vectors;
 pub mod history;
+pub mod telemetry;
 
 pub use error::WriteError;

@@ -24,9 +24,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use ephem::kernel::body_name;
+use ephem::source::SUN_AS_TARGET;
 use ephem::time::format_tdb;
 use mission::Mission;
 use mission::digest::sha256_hex;
+use onboard_core::ephemeris::{FIRST_USER_BODY, SUN};
 use onboard_core::time::Instant;
 use onboard_core::uplink::{
     Container, ENTRY_BYTES, HEADER_BYTES, Header, MAX_SEQUENCE_STEP, SectionKind, SequenceError,
@@ -134,6 +137,17 @@ pub fn digest(mission: &Mission) -> [u8; 16] {
     })
 }
 
+/// The name of a body in a table.
+#[must_use]
+pub fn body_told(number: i32) -> String {
+    match number {
+        SUN => "sun_to_spacecraft".to_owned(),
+        SUN_AS_TARGET => "sun".to_owned(),
+        own if own >= FIRST_USER_BODY => format!("source {own}"),
+        body => body_name(body).to_owned(),
+    }
+}
+
 /// The identity of the mission's spacecraft: the first 4 bytes of the SHA-256 of its name, the key
 /// `product.object_name`, little-endian.
 #[must_use]
@@ -222,6 +236,7 @@ pub fn told(error: UplinkError) -> String {
         UplinkError::NoSuchSection(kind) => {
             format!("it has no section {}", section_name(kind.number()))
         }
+        other => other.to_string(),
     }
 }
 
@@ -242,6 +257,7 @@ pub fn contents_told(error: TableError) -> String {
         TableError::SessionTelescope(index) => {
             format!("session {index} of its plan names a telescope that its mission does not have")
         }
+        other => other.to_string(),
     }
 }
 

@@ -31,6 +31,17 @@ use planner::world::World;
 use serde::Serialize;
 use std::fmt::Write;
 
+/// Which ends of a span in view are the mission's own.
+#[must_use]
+pub const fn clipped(entry: bool, exit: bool) -> &'static str {
+    match (entry, exit) {
+        (false, false) => "",
+        (true, false) => "entry",
+        (false, true) => "exit",
+        (true, true) => "both",
+    }
+}
+
 /// 365.25 d in seconds.
 const YEAR_S: f64 = 31_557_600.0;
 

@@ -47,6 +47,9 @@ pub enum Verb {
     Vectors(VectorsArgs),
     /// An attitude history against the mission: residuals, fitted periods and phases, outliers
     Verify(VerifyArgs),
+    /// What the spacecraft has sent: events, states, housekeeping
+    #[command(subcommand)]
+    Telemetry(TelemetryVerb),
     /// The onboard ephemeris tables
     #[command(subcommand)]
     Table(TableVerb),

@@ -29,13 +29,3 @@ pub(super) fn deliver<R, S: Serialize>(
     }
     if shared.json { print_json(&summary()?) } else { Ok(()) }
 }
-
-/// Which ends of a span in view are the mission's own.
-pub(super) const fn clipped(entry: bool, exit: bool) -> &'static str {
-    match (entry, exit) {
-        (false, false) => "",
-        (true, false) => "entry",
-        (false, true) => "exit",
-        (true, true) => "both",
-    }
-}

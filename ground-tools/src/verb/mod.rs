@@ -14,6 +14,7 @@ mod survey;
 mod resonance;
 mod vectors;
 mod verify;
+mod telemetry;
 mod table;
 mod plan;
 mod report;
@@ -39,6 +40,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Resonance(arguments) => resonance::run(shared, arguments),
         Verb::Vectors(arguments) => vectors::run(shared, arguments),
         Verb::Verify(arguments) => verify::run(shared, arguments),
+        Verb::Telemetry(verb) => telemetry::run(shared, verb),
         Verb::Table(verb) => table::run(shared, verb),
         Verb::Plan(arguments) => plan::run(shared, arguments),
         Verb::Report(arguments) => report::run(shared, arguments),

@@ -1,13 +1,14 @@
 //! `gyrfalcon transits`: every passage of the targets through a line of sight.
 
 use super::asked::world;
-use super::delivered::{clipped, deliver};
+use super::delivered::deliver;
 use crate::cli::{SharedArgs, TransitsArgs};
 use crate::failure::Failure;
 use ephem::time::format_tdb;
 use formats::degrees;
 use formats::rows::Column;
 use formats::rows::Field::{Count, Number, Tdb, Utc, Whole, Word};
+use formats::visits::clipped;
 use onboard_core::attitude::{Sweep, sweep};
 use onboard_core::hwp::hwp_phase;
 use onboard_core::phase::Phase;

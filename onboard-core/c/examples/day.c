@@ -3,7 +3,7 @@
  * It uploads a container into a slot and takes tables from it, correlates the clock, asks for
  * attitudes, searches transits and counts visits, and then flies: each cycle of 10 s the clock, a step
  * of the scrub, once a minute a measured attitude to the tracker, a step of the forecast, and a tick of
- * the sequencer. Finder, visit log and, at noon, the tracker are made anew and go on from saved records.
+ * the sequencer, whose events become telemetry; once an hour housekeeping. Finder, visit log and, at noon, the tracker are made anew and go on from saved records.
  * Then the container is damaged and found out, and a newer one is uploaded and rolled back. Every answer
  * is told as a word. Two arrays stand for the flash.
  *
@@ -118,12 +118,10 @@ static void carry_out(const gyr_flash_operation_t *operation) {
 
 /* Brings a container into the slot that is not active. */
 static gyr_error_t bring(const uint8_t *container, size_t length, int64_t now) {
-    gyr_bytes_t candidate;
+    const gyr_bytes_t candidate = {container, length};
     gyr_flash_operation_t operation;
     uint32_t slot;
     uint32_t programmed = 0;
-    candidate.first = container;
-    candidate.length = length;
     MUST(gyr_slots_admit(&slots, &candidate, now, &upload));
     MUST(gyr_upload_slot(&upload, &slot));
     tell("written", slot);
@@ -411,17 +409,13 @@ static const gyr_tracker_settings_t tracker_settings = {
 };
 
 static gyr_error_t prepare(const gyr_header_t *header) {
-    gyr_sequencer_settings_t how;
     gyr_channel_t wanted[GYR_CHANNELS];
     const uint32_t count = channels(header, wanted);
+    const gyr_sequencer_settings_t how = {
+        .tolerance_ns = SECOND, .longest_gap_ns = 2 * CYCLE_S * SECOND,
+        .check_ahead_ns = 3600 * SECOND, .recheck_rad = 1e-3,
+        .telescope = count > 0 ? wanted[0].telescope : 0, .steps_per_tick = 8};
     uint32_t index;
-    how.tolerance_ns = SECOND;
-    how.longest_gap_ns = 2 * CYCLE_S * SECOND;
-    how.check_ahead_ns = 3600 * SECOND;
-    how.recheck_rad = 1e-3;
-    how.telescope = count > 0 ? wanted[0].telescope : 0;
-    how.passes_tolerance = 0;
-    how.steps_per_tick = 8;
     MUST(believe());
     MUST(gyr_tracker_init(&tracker, &believed, &tracker_settings, header->valid_from_tai_ns));
     MUST(gyr_scrub_init(&scrub, &tables));
@@ -468,21 +462,20 @@ static void tell_state(const gyr_state_t *state) {
     tell_signed("state's value", state->value);
 }
 
-static gyr_error_t tick(uint64_t ticks, uint32_t damaged) {
-    gyr_situation_t situation;
+static gyr_error_t tick(uint64_t ticks, uint32_t damaged, uint32_t spacecraft) {
+    uint8_t payload[GYR_EVENT_BYTES];
+    const gyr_situation_t situation = {.ticks = ticks, .clock = &correlation, .tables = &tables,
+                                       .tracker = &tracker, .tables_damaged = damaged};
     gyr_tick_t brought;
     gyr_event_t event;
     gyr_error_t code;
-    situation.ticks = ticks;
-    situation.clock = &correlation;
-    situation.tables = &tables;
-    situation.tracker = &tracker;
-    situation.tables_damaged = damaged;
     MUST(gyr_sequencer_tick(&sequencer, &situation, &brought));
     tell_state(&brought.state);
     tell("evaluations", brought.evaluations);
     tell("check", brought.check);
-    while ((code = gyr_sequencer_pop(&sequencer, &event)) == GYR_OK) {
+    while ((code = gyr_telemetry_pop(&sequencer, &correlation, spacecraft, &event, payload,
+                                     GYR_EVENT_BYTES)) == GYR_OK) {
+        tell_record("telemetry", payload, GYR_EVENT_BYTES);
         tell("event", event.kind);
         tell("event's ticks", event.ticks);
         tell("event's session", event.session);
@@ -496,6 +489,21 @@ static gyr_error_t tick(uint64_t ticks, uint32_t damaged) {
         }
     }
     return code == GYR_NOTHING ? GYR_OK : code;
+}
+
+/* Housekeeping of the telescope, in a packet of APID 291. */
+static gyr_error_t report(uint64_t ticks, uint32_t spacecraft, uint16_t count) {
+    uint8_t packet[GYR_PACKET_HEADER_BYTES + GYR_HOUSEKEEPING_BYTES];
+    gyr_next_visit_t next;
+    const bool known = gyr_forecast_next(&forecast, 0, &next) == GYR_OK;
+    const gyr_housekeeping_t housekeeping = {
+        .ticks = ticks, .sequencer = &sequencer, .clock = &correlation, .tables = &tables,
+        .tracker = &tracker, .scrub = &scrub, .visit = known ? &next : NULL, .spacecraft = spacecraft};
+    MUST(gyr_packet_header(291, count, GYR_HOUSEKEEPING_BYTES, packet, GYR_PACKET_HEADER_BYTES));
+    MUST(gyr_telemetry_housekeeping(&housekeeping, packet + GYR_PACKET_HEADER_BYTES,
+                                    GYR_HOUSEKEEPING_BYTES));
+    tell_record("packet", packet, sizeof packet);
+    return GYR_OK;
 }
 
 static gyr_error_t predict(bool *going) {
@@ -534,13 +542,16 @@ static gyr_error_t fly(const gyr_header_t *header) {
         if (going) {
             MUST(predict(&going));
         }
-        MUST(tick(ticks, 0));
+        MUST(tick(ticks, 0, header->spacecraft));
+        if (second % 3600 == 0) {
+            MUST(report(ticks, header->spacecraft, (uint16_t)(second / 3600)));
+        }
     }
     return GYR_OK;
 }
 
 /* Damages the container's last byte; the scrub finds it, and the sequencer becomes safe. */
-static gyr_error_t damage(const day_input_t *input) {
+static gyr_error_t damage(const day_input_t *input, const gyr_header_t *header) {
     uint8_t *last = &slot_a[GYR_SLOT_HEAD_BYTES + input->container_length - 1];
     gyr_scrub_step_t scrubbed;
     gyr_lost_t lost;
@@ -555,7 +566,7 @@ static gyr_error_t damage(const day_input_t *input) {
     } while (scrubbed.kind != GYR_SCRUB_DAMAGED && steps < longest);
     tell("found", scrubbed.kind);
     tell("damage", (uint64_t)scrubbed.damage);
-    MUST(tick(DAY_FIRST_TICK + (uint64_t)DAY_S * DAY_TICKS_PER_S, 1));
+    MUST(tick(DAY_FIRST_TICK + (uint64_t)DAY_S * DAY_TICKS_PER_S, 1, header->spacecraft));
     *last ^= 1;
     MUST(gyr_sequencer_lost(&sequencer, &lost));
     tell("lost", lost.entered + lost.started + lost.ended + lost.skipped + lost.aborted +
@@ -575,7 +586,7 @@ static gyr_error_t day(const day_input_t *input) {
     MUST(find_transits(&header));
     MUST(prepare(&header));
     MUST(fly(&header));
-    MUST(damage(input));
+    MUST(damage(input, &header));
     /* From here on the slots may change: nothing reads them any more. */
     MUST(gyr_tables_unload(&tables));
     tell("scrub without", (uint64_t)gyr_scrub_step(&scrub, &tables, &unused));

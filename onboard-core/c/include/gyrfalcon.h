@@ -174,6 +174,15 @@
 // Time moved on by more than the longest gap, from `value` to `to_tai_ns`.
 #define GYR_EVENT_TIME_JUMPED 8
 
+// Bytes of an event's payload.
+#define GYR_EVENT_BYTES 96
+
+// Bytes of housekeeping's payload.
+#define GYR_HOUSEKEEPING_BYTES 268
+
+// Bytes of a space packet's primary header.
+#define GYR_PACKET_HEADER_BYTES 6
+
 // Targets of a visit log.
 #define GYR_VISIT_TARGETS 8
 
@@ -952,6 +961,30 @@ typedef struct {
     uint32_t time_jumped;
 } gyr_lost_t;
 
+// What housekeeping tells of; each pointer but the sequencer's may be null where there is none.
+typedef struct {
+    // The on-board counter.
+    uint64_t ticks;
+    // The sequencer: state, last tick, events lost.
+    const gyr_sequencer_t *sequencer;
+    // The clock correlation in use.
+    const gyr_clock_t *clock;
+    // The tables in use.
+    const gyr_tables_t *tables;
+    // The tracker.
+    const gyr_tracker_t *tracker;
+    // The scrub of the tables in use.
+    const gyr_scrub_t *scrub;
+    // The visit to come that the forecast has found, and with it `body`.
+    const gyr_next_visit_t *visit;
+    // The number of that visit's target.
+    int32_t body;
+    // Identity of the spacecraft (gyr_header_t).
+    uint32_t spacecraft;
+    // Not 0 where the tables' bytes were found damaged after they had been loaded.
+    uint32_t tables_damaged;
+} gyr_housekeeping_t;
+
 // Running statistics of the visits of GYR_VISIT_TARGETS targets; holds no pointer.
 typedef struct {
     uint64_t opaque[GYR_VISIT_LOG_WORDS];
@@ -1272,6 +1305,29 @@ gyr_error_t gyr_sequencer_stop(gyr_sequencer_t *sequencer);
 
 // Orders safe to be left at the next tick that has a valid clock and valid tables.
 gyr_error_t gyr_sequencer_resume(gyr_sequencer_t *sequencer);
+
+// The oldest event, taken out, as a payload of GYR_EVENT_BYTES bytes and as gyr_sequencer_pop gives
+// it; GYR_NOTHING when none waits. The clock (null where there is none) tells the event's instant.
+gyr_error_t gyr_telemetry_pop(gyr_sequencer_t *sequencer,
+                              const gyr_clock_t *clock,
+                              uint32_t spacecraft,
+                              gyr_event_t *event,
+                              uint8_t *payload,
+                              size_t length);
+
+// Housekeeping as a payload of GYR_HOUSEKEEPING_BYTES bytes. The tracker's covariance is that of the
+// counter's instant, or of its last measurement where the clock does not tell it.
+gyr_error_t gyr_telemetry_housekeeping(const gyr_housekeeping_t *housekeeping,
+                                       uint8_t *payload,
+                                       size_t length);
+
+// The primary header, GYR_PACKET_HEADER_BYTES bytes, of a telemetry packet without secondary header
+// around a payload of `payload_length` bytes, 1 to 65536; the lower 14 bits of `count` count.
+gyr_error_t gyr_packet_header(uint16_t apid,
+                              uint16_t count,
+                              size_t payload_length,
+                              uint8_t *header,
+                              size_t length);
 
 // Makes a log without visits.
 gyr_error_t gyr_visit_log_init(gyr_visit_log_t *log, const gyr_divisions_t *divisions);

@@ -45,6 +45,7 @@ pub mod tracker;
 pub mod transits;
 pub mod forecast;
 pub mod sequencer;
+pub mod telemetry;
 pub mod visits;
 
 #[cfg(not(test))]

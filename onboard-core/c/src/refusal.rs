@@ -1,8 +1,7 @@
 //! Which code each refusal of the core is.
 //!
-//! Method: one `From` per enum of the core. Those that are complete are matched without a wildcard, so
-//! that a refusal that the core gains does not compile until it has a code; the others end in
-//! GYR_UNNAMED, and a test reads the core's source and asks for every name.
+//! Method: one `From` per enum of the core. Those that may gain reasons end in GYR_UNNAMED, and a test
+//! reads the core's source and asks for every name; the others are matched without a wildcard.
 
 use crate::error::gyr_error_t;
 use onboard_core::clock::ClockError;
@@ -32,6 +31,7 @@ impl From<UplinkError> for gyr_error_t {
             UplinkError::SectionCrc(_) => Self::GYR_CONTAINER_SECTION_CRC,
             UplinkError::MixedSet(_) => Self::GYR_CONTAINER_MIXED_SET,
             UplinkError::NoSuchSection(_) => Self::GYR_CONTAINER_NO_SECTION,
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -45,6 +45,7 @@ impl From<EphemerisError> for gyr_error_t {
             EphemerisError::BadCoefficient(_) => Self::GYR_EPHEMERIS_COEFFICIENT,
             EphemerisError::NoSuchBody(_) => Self::GYR_EPHEMERIS_NO_BODY,
             EphemerisError::OutOfSpan(_) => Self::GYR_EPHEMERIS_OUT_OF_SPAN,
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -90,6 +91,7 @@ impl From<MissionError> for gyr_error_t {
             MissionError::Scan(error) => error.into(),
             MissionError::Rotation(error) => error.into(),
             MissionError::FieldOfView(error) => error.into(),
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -99,6 +101,7 @@ impl From<PlanError> for gyr_error_t {
         match error {
             PlanError::WrongLength => Self::GYR_PLAN_LENGTH,
             PlanError::BadSession(_) => Self::GYR_PLAN_SESSION,
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -113,6 +116,7 @@ impl From<TableError> for gyr_error_t {
             TableError::Coverage(_) => Self::GYR_TABLES_COVERAGE,
             TableError::SessionOutside(_) => Self::GYR_TABLES_SESSION_OUTSIDE,
             TableError::SessionTelescope(_) => Self::GYR_TABLES_SESSION_TELESCOPE,
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -215,6 +219,7 @@ impl From<RollbackError> for gyr_error_t {
             RollbackError::NotAnOrder => Self::GYR_ROLLBACK_NOT_AN_ORDER,
             RollbackError::Damaged => Self::GYR_ROLLBACK_DAMAGED,
             RollbackError::NotBack => Self::GYR_ROLLBACK_NOT_BACK,
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -229,11 +234,11 @@ impl From<ClockError> for gyr_error_t {
             ClockError::Sequence(SequenceError::StepTooLarge { .. }) => {
                 Self::GYR_CLOCK_STEP_TOO_LARGE
             }
-            ClockError::Sequence(_) => Self::GYR_UNNAMED,
             ClockError::OtherSpacecraft { .. } => Self::GYR_CLOCK_OTHER_SPACECRAFT,
             ClockError::NotYetValid(_) => Self::GYR_CLOCK_NOT_YET_VALID,
             ClockError::Expired(_) => Self::GYR_CLOCK_EXPIRED,
             ClockError::BeyondScale => Self::GYR_CLOCK_BEYOND_SCALE,
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -252,6 +257,7 @@ impl From<TrackerSettingsError> for gyr_error_t {
             TrackerSettingsError::MaxLead(_) => Self::GYR_TRACKER_SETTING_MAX_LEAD,
             TrackerSettingsError::Gate(_) => Self::GYR_TRACKER_SETTING_GATE,
             TrackerSettingsError::Limit(..) => Self::GYR_TRACKER_SETTING_LIMIT,
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -269,6 +275,7 @@ impl From<MeasurementRefusal> for gyr_error_t {
             MeasurementRefusal::Outlier(_) => Self::GYR_TRACKER_OUTLIER,
             MeasurementRefusal::Correction(..) => Self::GYR_TRACKER_CORRECTION,
             MeasurementRefusal::Strategy(error) => error.into(),
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -292,6 +299,7 @@ impl From<SettingsError> for gyr_error_t {
             SettingsError::CheckAhead(_) => Self::GYR_SEQUENCER_CHECK_AHEAD,
             SettingsError::Recheck(_) => Self::GYR_SEQUENCER_RECHECK,
             SettingsError::StepsPerTick(_) => Self::GYR_SEQUENCER_STEPS_PER_TICK,
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -303,6 +311,7 @@ impl From<VisitError> for gyr_error_t {
             VisitError::Reversed { .. } => Self::GYR_VISIT_REVERSED,
             VisitError::OutOfOrder { .. } => Self::GYR_VISIT_OUT_OF_ORDER,
             VisitError::Overlap { .. } => Self::GYR_VISIT_OVERLAP,
+            _ => Self::GYR_UNNAMED,
         }
     }
 }
@@ -331,7 +340,7 @@ mod tests {
 
     #[test]
     fn every_refusal_that_may_gain_a_reason_has_all_of_its_codes() {
-        let own = include_str!("refusal.rs");
+        let own = concat!(include_str!("refusal.rs"), include_str!("sequencer.rs"));
         for (name, source, count) in [
             ("SlotState", include_str!("../../src/uplink/slots.rs"), 8),
             ("UploadRefusal", include_str!("../../src/uplink/slots.rs"), 8),
@@ -341,6 +350,20 @@ mod tests {
             ("SequenceError", include_str!("../../src/uplink/sequence.rs"), 2),
             ("RecordError", include_str!("../../src/record.rs"), 6),
             ("ResumeError", include_str!("../../src/tracking/mod.rs"), 3),
+            ("UplinkError", include_str!("../../src/uplink/mod.rs"), 10),
+            ("TableError", include_str!("../../src/uplink/tables.rs"), 7),
+            ("MissionError", include_str!("../../src/uplink/mission.rs"), 8),
+            ("PlanError", include_str!("../../src/uplink/plan.rs"), 2),
+            ("RollbackError", include_str!("../../src/uplink/rollback.rs"), 3),
+            ("EphemerisError", include_str!("../../src/ephemeris/error.rs"), 6),
+            ("ClockError", include_str!("../../src/clock.rs"), 8),
+            ("TrackerSettingsError", include_str!("../../src/tracking/settings.rs"), 10),
+            ("MeasurementRefusal", include_str!("../../src/tracking/mod.rs"), 10),
+            ("SettingsError", include_str!("../../src/sequencer/settings.rs"), 5),
+            ("VisitError", include_str!("../../src/visits.rs"), 4),
+            ("SafeReason", include_str!("../../src/sequencer/reason.rs"), 10),
+            ("SkipReason", include_str!("../../src/sequencer/reason.rs"), 10),
+            ("AbortReason", include_str!("../../src/sequencer/reason.rs"), 5),
         ] {
             let found = variants(source, name);
             assert!(found.len() >= count, "{name}: {found:?}");

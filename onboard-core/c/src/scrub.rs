@@ -19,7 +19,7 @@ pub struct gyr_scrub_t {
 pub(crate) struct Watched {
     made_with: Identity,
     /// Its borrow is used only in calls that are given the same tables.
-    scrub: Scrub<'static>,
+    pub(crate) scrub: Scrub<'static>,
 }
 
 impl State for gyr_scrub_t {

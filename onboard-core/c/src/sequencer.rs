@@ -9,7 +9,7 @@ use crate::tables::{gyr_session_t, gyr_tables_t};
 use crate::tracker::gyr_tracker_t;
 use onboard_core::sequencer::{
     AbortReason, Event, EventQueue, Progress, SafeReason, ScanEstimate, Sequencer, Settings,
-    Situation, SkipReason, Stamped, State,
+    Situation, SkipReason, Stamped, State, Tick,
 };
 use onboard_core::time::Duration;
 
@@ -28,7 +28,10 @@ pub struct gyr_sequencer_t {
 /// A sequencer and its queue.
 pub(crate) struct Carried {
     sequencer: Sequencer,
-    events: EventQueue<GYR_EVENTS>,
+    pub(crate) events: EventQueue<GYR_EVENTS>,
+    pub(crate) telescope: u16,
+    /// What the last tick brought.
+    pub(crate) last: Tick,
 }
 
 impl Kept for gyr_sequencer_t {
@@ -212,6 +215,7 @@ fn safe(reason: SafeReason) -> (gyr_error_t, i64) {
         SafeReason::TablesExpired(until) => (gyr_error_t::GYR_SAFE_TABLES_EXPIRED, until.tai_ns()),
         SafeReason::NoSuchTelescope => (gyr_error_t::GYR_SAFE_NO_SUCH_TELESCOPE, 0),
         SafeReason::TimeReversed(by) => (gyr_error_t::GYR_SAFE_TIME_REVERSED, by.ns()),
+        _ => (gyr_error_t::GYR_UNNAMED, 0),
     }
 }
 
@@ -227,6 +231,7 @@ fn skip(reason: SkipReason) -> (gyr_error_t, i64) {
         SkipReason::Avoidance(body) => (gyr_error_t::GYR_SKIP_AVOIDANCE, body.into()),
         SkipReason::Uncertain(by) => (gyr_error_t::GYR_SKIP_UNCERTAIN, by.ns()),
         SkipReason::Ephemeris(error) => (error.into(), 0),
+        _ => (gyr_error_t::GYR_UNNAMED, 0),
     }
 }
 
@@ -237,6 +242,7 @@ fn abort(reason: AbortReason) -> (gyr_error_t, i64) {
         AbortReason::TimeJumped => (gyr_error_t::GYR_ABORT_TIME_JUMPED, 0),
         AbortReason::Avoidance(body) => (gyr_error_t::GYR_ABORT_AVOIDANCE, body.into()),
         AbortReason::Ephemeris(error) => (error.into(), 0),
+        _ => (gyr_error_t::GYR_UNNAMED, 0),
     }
 }
 
@@ -301,8 +307,10 @@ pub unsafe extern "C" fn gyr_sequencer_init(
             recheck_rad: given.recheck_rad,
             steps_per_tick: given.steps_per_tick,
         })?;
+        let last = Tick { state: made.state(), evaluations: 0, check: Progress::Waiting };
+        let (events, telescope) = (EventQueue::new(), given.telescope);
         // SAFETY: as above.
-        unsafe { fill(sequencer, Carried { sequencer: made, events: EventQueue::new() }) }
+        unsafe { fill(sequencer, Carried { sequencer: made, events, telescope, last }) }
     })
 }
 
@@ -334,6 +342,7 @@ pub unsafe extern "C" fn gyr_sequencer_tick(
         // SAFETY: as above.
         let own = unsafe { content_mut(sequencer) }?;
         let tick = own.sequencer.tick(&situation, &mut own.events);
+        own.last = tick;
         let check = match tick.check {
             Progress::Waiting => GYR_CHECK_WAITING,
             Progress::UnderWay => GYR_CHECK_UNDER_WAY,

@@ -6,10 +6,11 @@
 use super::error::EphemerisError;
 use super::record::{BODY_BYTES, SPAN_BYTES, Span};
 use crate::bytes::{f64_at, i64_at, u16_at, u32_at, u64_at};
-use crate::convert::{f64_from_u64, index_from_u32, index_from_u64, u32_from_f64};
+use crate::convert::{f64_from_u64, index_from_u32, index_from_u64, rolled, u32_from_f64};
 use crate::direction::{Direction, DirectionState, MotionBounds};
 use crate::frame::Ecliptic;
 use crate::time::Instant;
+use crate::vector::{dot, minus, plus, times};
 use nalgebra::Vector3;
 
 /// Bytes of one order's three coefficients.
@@ -30,20 +31,23 @@ impl BodyTable<'_> {
     /// [`EphemerisError::OutOfSpan`] outside the body's spans, in a gap between two, or where the
     /// series has no direction.
     pub fn state(self, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> {
-        Ok(self.state_until(at)?.0)
+        let mut state = DirectionState::NOWHERE;
+        self.place_state(at, &mut state)?;
+        Ok(state)
     }
 
-    /// As [`Self::state`], with the end of the granule: up to it, the end itself excluded unless the
+    /// As [`Self::state`], written in place, with the end of the granule: up to it, the end itself excluded unless the
     /// body's tables end there, direction and motion follow one series and obey the bounds.
     ///
     /// # Errors
     /// [`EphemerisError::OutOfSpan`] as [`Self::state`].
     // REQ-EPH-3.
-    pub(crate) fn state_until(
-        self,
+    pub(crate) fn place_state(
+        &self,
         at: Instant,
-    ) -> Result<(DirectionState<Ecliptic>, Instant), EphemerisError> {
-        self.evaluate(at).ok_or(EphemerisError::OutOfSpan(at))
+        state: &mut DirectionState<Ecliptic>,
+    ) -> Result<Instant, EphemerisError> {
+        self.evaluate(at, state).ok_or(EphemerisError::OutOfSpan(at))
     }
 
     /// The body's direction at `at`, for less work than [`Self::state`] and with the same bits.
@@ -92,20 +96,11 @@ impl BodyTable<'_> {
     }
 
     #[cfg_attr(target_os = "none", inline(never))]
-    fn evaluate(self, at: Instant) -> Option<(DirectionState<Ecliptic>, Instant)> {
+    fn evaluate(&self, at: Instant, state: &mut DirectionState<Ecliptic>) -> Option<Instant> {
         let series = self.series(at)?;
         let (value, slope) = chebyshev(series.orders, series.x);
-        let direction = Direction::from_nearly_unit(value)?;
-        // d(v/|v|)/dt = (v' - n (n . v')) / |v|; |v| is one within the fit's error.
-        let unit = direction.vector();
-        let per_second = slope * (2.0e9 / series.length);
-        let along = unit.x * per_second.x + unit.y * per_second.y + unit.z * per_second.z;
-        let rate = per_second - unit * along;
-        // A series of huge coefficients has a direction, but its motion overflows.
-        if !(rate.x + rate.y + rate.z).is_finite() {
-            return None;
-        }
-        Some((DirectionState { direction, rate_per_s: [rate.x, rate.y, rate.z] }, series.end))
+        moving(value, slope, series.length, state)?;
+        Some(series.end)
     }
 
     /// First and last instant of the body's spans; a gap between spans is not seen here.
@@ -157,7 +152,31 @@ fn split(offset: u64, length_ns: u64, length: f64) -> Option<(u64, u64)> {
     (before < length_ns).then_some((guess.wrapping_sub(1), before))
 }
 
+/// The state that a series' value and slope are, of granules of this length in ns; apart, so that it
+/// does not lie on the stack below the series.
+#[cfg_attr(target_os = "none", inline(never))]
+fn moving(
+    value: Vector3<f64>,
+    slope: Vector3<f64>,
+    length: f64,
+    state: &mut DirectionState<Ecliptic>,
+) -> Option<()> {
+    let direction = Direction::from_nearly_unit(value)?;
+    // d(v/|v|)/dt = (v' - n (n . v')) / |v|; |v| is one within the fit's error.
+    let unit = direction.vector();
+    let per_second = times(slope, 2.0e9 / length);
+    let along = dot(unit, per_second);
+    let rate = minus(per_second, times(unit, along));
+    // A series of huge coefficients has a direction, but its motion overflows.
+    if !(rate.x + rate.y + rate.z).is_finite() {
+        return None;
+    }
+    *state = DirectionState { direction, rate_per_s: [rate.x, rate.y, rate.z] };
+    Some(())
+}
+
 /// `sum_k c_k T_k(x)`, with the bits of [`chebyshev`].
+#[cfg_attr(target_os = "none", inline(never))]
 fn chebyshev_value(series: &[[u8; ORDER_BYTES]], x: f64) -> Vector3<f64> {
     let Some((constant, higher)) = series.split_first() else {
         return Vector3::new(0.0, 0.0, 0.0);
@@ -166,7 +185,8 @@ fn chebyshev_value(series: &[[u8; ORDER_BYTES]], x: f64) -> Vector3<f64> {
     let mut value = coefficient(constant);
     let (mut first, mut first_before) = (x, 1.0);
     for order in higher {
-        value += coefficient(order) * first;
+        rolled();
+        value = plus(value, times(coefficient(order), first));
         (first_before, first) = (first, two_x * first - first_before);
     }
     value
@@ -185,8 +205,8 @@ fn chebyshev(series: &[[u8; ORDER_BYTES]], x: f64) -> (Vector3<f64>, Vector3<f64
     let mut degree = 1.0;
     for order in higher {
         let c = coefficient(order);
-        value += c * first;
-        slope += c * (degree * second);
+        value = plus(value, times(c, first));
+        slope = plus(slope, times(c, degree * second));
         (first_before, first) = (first, two_x * first - first_before);
         (second_before, second) = (second, two_x * second - second_before);
         degree += 1.0;

@@ -4,6 +4,7 @@ use crate::time::Instant;
 
 /// Why a table cannot be used, or has no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum EphemerisError {
     /// Fewer or more bytes than the counts say.
     WrongLength,

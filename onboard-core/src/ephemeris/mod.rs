@@ -206,6 +206,7 @@ fn check_spans(
 mod tests {
     extern crate std;
     use super::*;
+    use crate::direction::DirectionState;
     use core::num::NonZeroU64;
     use proptest::prelude::*;
     use std::vec::Vec;
@@ -394,5 +395,80 @@ mod tests {
         assert!(EphemerisTable::parse(&meeting).is_ok());
         let reversed = table_of(&[&[span(5, 0, 1e-6)], &[span(4, 0, 1e-6)]]);
         assert_eq!(EphemerisTable::parse(&reversed).unwrap_err(), EphemerisError::BadBody(1));
+    }
+
+    #[test]
+    // REQ-EPH-1.
+    fn spans_may_touch_but_not_overlap() {
+        let first = span(5, 0, 2.1e-6);
+        let granules = 2_000_000_000_000;
+        let parse = |start_ns: i64, change: fn(&mut Span)| {
+            let mut second = Span { first: 0, ..span(5, start_ns, 2.1e-6) };
+            change(&mut second);
+            let bytes = table_of(&[&[first, second]]);
+            EphemerisTable::parse(&bytes).map(|_| ())
+        };
+        assert_eq!(parse(granules, |_| {}), Ok(()));
+        assert_eq!(parse(granules + 1, |_| {}), Ok(()), "a gap");
+        let bad = Err(EphemerisError::BadSpan(1));
+        assert_eq!(parse(granules - 1, |_| {}), bad);
+        assert_eq!(parse(0, |_| {}), bad);
+        // Where its coefficients lie: whole triples, inside the data.
+        for first in [1, 2, 3, 12] {
+            let bytes = table_of(&[&[Span { first, ..span(5, 0, 2.1e-6) }]]);
+            let refused = EphemerisTable::parse(&bytes).map(|_| ());
+            assert_eq!(refused, Err(EphemerisError::BadSpan(0)), "{first}");
+        }
+        let one = Span { first: 6, granules: 1, ..span(5, 0, 2.1e-6) };
+        assert_eq!(EphemerisTable::parse(&table_of(&[&[one]])).map(|_| ()), Ok(()));
+        for (coefficients, granules) in [(0, 2), (2, 0), (MAX_COEFFICIENTS + 1, 1)] {
+            let record = Span { coefficients, granules, ..first }.to_le_bytes();
+            assert!(Span::from_le_bytes(&record).is_none(), "{coefficients} {granules}");
+        }
+    }
+
+    #[test]
+    // REQ-EPH-3.
+    fn a_state_follows_its_series_in_value_and_rate() {
+        // Four orders in each component, on one granule of 100 s.
+        let coefficients: [f64; 12] =
+            [0.6, 0.3, 0.7, 0.05, -0.2, 0.1, 0.03, 0.04, -0.02, -0.01, 0.02, 0.015];
+        let bounds = MotionBounds { rate_rad_s: 1.0, acceleration_per_s2: 1.0, max_abs_z: 1.0 };
+        let own = Span {
+            coefficients: 4,
+            granules: 1,
+            granule_ns: NonZeroU64::new(100_000_000_000).unwrap(),
+            bounds,
+            ..span(5, 0, 1.0)
+        };
+        let mut bytes = table_header(1, 1, 12).to_vec();
+        bytes.extend(BodyRecord { body: 5, spans: 1, first: 0, bounds }.to_le_bytes());
+        bytes.extend(own.to_le_bytes());
+        bytes.extend(coefficients.iter().flat_map(|number| number.to_le_bytes()));
+        let body = EphemerisTable::parse(&bytes).unwrap().body(5).unwrap();
+        for ns in (1_000_000_000..100_000_000_000).step_by(7_000_000_000) {
+            let x = 2.0 * f64::from(u32::try_from(ns / 1_000_000).unwrap()) / 1e5 - 1.0;
+            let orders = [1.0, x, 2.0 * x * x - 1.0, 4.0 * x * x * x - 3.0 * x];
+            let component = |axis: usize| -> f64 {
+                (0..4).map(|order| coefficients[3 * order + axis] * orders[order]).sum()
+            };
+            let v = nalgebra::Vector3::new(component(0), component(1), component(2));
+            let (length, v) = (v.norm(), v.normalize());
+            let at = |ns: i64| body.state(Instant::from_tai_ns(ns)).unwrap();
+            let state = at(ns);
+            assert!((state.direction.vector() - v).norm() < 1e-15);
+            let moved =
+                at(ns + 1_000_000).direction.vector() - at(ns - 1_000_000).direction.vector();
+            let rate = nalgebra::Vector3::from(state.rate_per_s);
+            // The motion is that of the series, whose length is taken as one.
+            assert!((moved * (length / 2e-3) - rate).norm() < 1e-9 + 1e-6 * rate.norm(), "{ns}");
+            let mut placed = DirectionState::NOWHERE;
+            let end = body.place_state(Instant::from_tai_ns(ns), &mut placed).unwrap();
+            let numbers = |it: &DirectionState<_>| (it.direction.vector(), it.rate_per_s);
+            assert_eq!(numbers(&placed), numbers(&state));
+            assert_eq!(end, Instant::from_tai_ns(100_000_000_000));
+        }
+        let reach = (Instant::from_tai_ns(0), Instant::from_tai_ns(100_000_000_000));
+        assert_eq!(body.coverage(), Some(reach));
     }
 }

@@ -53,6 +53,7 @@ impl BodyRecord {
 }
 
 /// Bounds of three f64 at `offset`; `None` where one is negative or not finite.
+#[inline(never)]
 fn bounds_at(record: &[u8], offset: usize) -> Option<MotionBounds> {
     Some(MotionBounds {
         rate_rad_s: bound_at(record, offset)?,

@@ -17,8 +17,11 @@
 //! [`SEPARATION_TOLERANCE_RAD`](crate::transit::SEPARATION_TOLERANCE_RAD) may go either way. What is
 //! decided is the session by itself: overlaps and the time for the check are the sequencer's.
 
+use super::estimate::ScanEstimate;
 use super::reason::SkipReason;
+use crate::convert::uncounted;
 use crate::ephemeris::{EphemerisError, EphemerisTable};
+use crate::field_of_view::FieldOfView;
 use crate::scan::ScanStrategy;
 use crate::time::{Duration, Instant};
 use crate::transit::{Lookup, Search, Seen, Transit};
@@ -75,6 +78,13 @@ impl Edge {
     fn new(at: Instant, clipped: bool) -> Self {
         Self { at, slopes_s: clipped.then_some([0.0; 3]) }
     }
+
+    /// Its standard deviation in seconds; infinite where that is not a number: not known at all.
+    #[inline(never)]
+    fn sigma_s(&self, covariance: &ScanCovariance) -> f64 {
+        let variance = covariance.along(self.slopes_s.unwrap_or([0.0; 3]));
+        if variance.is_nan() { f64::INFINITY } else { libm::sqrt(variance) }
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -109,16 +119,21 @@ impl Part {
 
 impl SessionCheck {
     /// A check of nothing yet.
-    pub const WAITING: Self = Self {
-        strategy: ScanStrategy::STILL,
-        stage: Stage::Waiting,
-        search: Search::NOTHING,
-        seen: Seen::NOTHING,
-        first_entry: None,
-        last_exit: None,
-        passes: 0,
-        pieces: 0,
-    };
+    pub const WAITING: Self = Self::waiting();
+
+    /// The same, written by code: as a constant it would stand among the read-only data once more.
+    pub(super) const fn waiting() -> Self {
+        Self {
+            strategy: ScanStrategy::STILL,
+            stage: Stage::Waiting,
+            search: Search::nothing(),
+            seen: Seen::NOTHING,
+            first_entry: None,
+            last_exit: None,
+            passes: 0,
+            pieces: 0,
+        }
+    }
 
     /// Forgets all, for another session or another strategy.
     pub const fn reset(&mut self) {
@@ -174,20 +189,17 @@ impl SessionCheck {
     }
 
     /// Half the 95 % interval of the predicted first entry or last exit, the larger of the two, where
-    /// the angles of its strategy are known as well as `covariance_at` says.
+    /// the angles of its strategy are known as well as `scan` says.
     ///
     /// An edge that the search's own end cut off is certain; before the target was searched nothing
     /// is uncertain.
     #[must_use]
     #[inline(never)]
     // REQ-SEQ-8.
-    pub fn uncertainty(&self, covariance_at: impl Fn(Instant) -> ScanCovariance) -> Duration {
+    pub fn uncertainty(&self, scan: &ScanEstimate<'_>) -> Duration {
         let mut largest = 0.0;
         for edge in [&self.first_entry, &self.last_exit].into_iter().flatten() {
-            let variance = covariance_at(edge.at).along(edge.slopes_s.unwrap_or([0.0; 3]));
-            // Not a number stands for: not known at all.
-            let sigma = if variance.is_nan() { f64::INFINITY } else { libm::sqrt(variance) };
-            largest = libm::fmax(largest, sigma);
+            largest = libm::fmax(largest, edge.sigma_s(&scan.covariance_at(edge.at)));
         }
         Duration::from_seconds(TWO_SIDED_95 * largest)
     }
@@ -227,34 +239,50 @@ impl SessionCheck {
     // REQ-SEQ-6.
     fn begin(&mut self, question: &Question<'_, '_>, part: Part) -> Result<Stage, EphemerisError> {
         let (session, mission) = (question.session, question.mission);
-        let (body, field, span) = match part {
-            Part::Target(index) => match mission.calibration_field(session.telescope, index) {
-                Some(field) => (session.body, field, window(question)),
-                None => {
+        // Fields are borrowed, not moved out of their options: each copy would lie on the stack.
+        match part {
+            Part::Target(index) => {
+                let field = mission.calibration_field(session.telescope, index);
+                let Some(field) = &field else {
                     return Ok(match self.compare(question) {
                         Ok(()) => Stage::Next(Part::Limit(0, 0)),
                         disagreement => Stage::Done(disagreement),
                     });
-                }
-            },
+                };
+                self.lay_out(question, session.body, field, window(question))?;
+            }
             Part::Limit(limit, index) => {
                 let Some(record) = mission.avoidance_limit(limit) else {
                     return Ok(Stage::Done(Ok(())));
                 };
-                let Some(field) = mission.calibration_field(session.telescope, index) else {
+                let field = mission.calibration_field(session.telescope, index);
+                let Some(field) = &field else {
                     return Ok(Stage::Next(Part::Limit(limit.saturating_add(1), 0)));
                 };
-                match field.enlarged(record.angle_rad) {
-                    Some(zone) => (record.body, zone, (session.start, session.end)),
+                let zone = field.enlarged(record.angle_rad);
+                let Some(zone) = &zone else {
                     // The zone is the whole sky.
-                    None => return Ok(Stage::Done(Err(SkipReason::Avoidance(record.body)))),
-                }
+                    return Ok(Stage::Done(Err(SkipReason::Avoidance(record.body))));
+                };
+                self.lay_out(question, record.body, zone, (session.start, session.end))?;
             }
-        };
-        let sun = mission.sun(question.ephemeris)?;
-        let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
-        self.search.set(&self.strategy, &lookup, &field, span);
+        }
         Ok(Stage::Searching(part))
+    }
+
+    /// The search of a body through a field.
+    #[inline(never)]
+    fn lay_out(
+        &mut self,
+        question: &Question<'_, '_>,
+        body: i32,
+        field: &FieldOfView,
+        span: (Instant, Instant),
+    ) -> Result<(), EphemerisError> {
+        let sun = question.mission.sun(question.ephemeris)?;
+        let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
+        self.search.set(&self.strategy, &lookup, field, span);
+        Ok(())
     }
 
     /// At most so many steps of the search; what follows, when it is over.
@@ -272,13 +300,10 @@ impl SessionCheck {
         let body = limit.map_or(question.session.body, |record| record.body);
         let sun = question.mission.sun(question.ephemeris)?;
         let lookup = Lookup { sun: &sun, target: question.ephemeris.body(body)? };
-        for _ in 0..steps {
-            if let Some(transit) = self.search.take() {
-                if limit.is_some() {
-                    return Ok(Some(Stage::Done(Err(SkipReason::Avoidance(body)))));
-                }
-                if self.note(&transit) {
-                    return Ok(Some(Stage::Sloping(part)));
+        for _ in 0..uncounted(usize::from(steps)) {
+            if self.search.has_found() {
+                if let Some(next) = self.found(part, body) {
+                    return Ok(Some(next));
                 }
             } else if self.search.frontier().is_none() {
                 return Ok(Some(Stage::Next(part.following())));
@@ -287,6 +312,16 @@ impl SessionCheck {
             }
         }
         Ok(None)
+    }
+
+    /// What follows from a pass of the target, or of a limit's body; nothing where the search goes on.
+    #[inline(never)]
+    fn found(&mut self, part: Part, body: i32) -> Option<Stage> {
+        let transit = self.search.take()?;
+        match part {
+            Part::Target(_) => self.note(&transit).then_some(Stage::Sloping(part)),
+            Part::Limit(..) => Some(Stage::Done(Err(SkipReason::Avoidance(body)))),
+        }
     }
 
     /// Takes a pass in; whether an edge of it is now the first or the last and not looked at yet.
@@ -351,4 +386,202 @@ fn window(question: &Question<'_, '_>) -> (Instant, Instant) {
     let from = question.session.first_entry.plus(Duration::from_ns(margin.saturating_neg()));
     let until = question.session.last_exit.plus(Duration::from_ns(margin));
     (from.max(valid_from), until.min(valid_until))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{Board, SECOND, later, sessions, strategy, turned};
+    use super::*;
+    use crate::uplink::Tables;
+
+    fn session() -> SessionRecord {
+        *sessions().first().expect("a session")
+    }
+
+    fn with_question<R>(session: &SessionRecord, then: impl FnOnce(&Question<'_, '_>) -> R) -> R {
+        asked(&Board::default(), session, then)
+    }
+
+    fn asked<R>(
+        board: &Board,
+        session: &SessionRecord,
+        then: impl FnOnce(&Question<'_, '_>) -> R,
+    ) -> R {
+        let bytes = board.uplink(1, &[]);
+        let tables = Tables::load(&bytes).unwrap();
+        then(&Question {
+            session,
+            mission: tables.mission(),
+            ephemeris: tables.ephemeris(),
+            validity: (tables.header().valid_from, tables.header().valid_until),
+            tolerance: Duration::from_ns(SECOND),
+            passes_tolerance: 1,
+        })
+    }
+
+    /// The check at its end, and how many calls that took.
+    fn checked(mut check: SessionCheck, question: &Question<'_, '_>) -> (SessionCheck, u32) {
+        let mut calls = 0;
+        while check.verdict().is_none() {
+            check.advance(question, 3);
+            calls += 1;
+        }
+        (check, calls)
+    }
+
+    fn pass(entry_s: i64, exit_s: i64) -> Transit {
+        let at = |seconds| later(Instant::from_tai_ns(0), seconds);
+        Transit {
+            channel: 0,
+            entry: at(entry_s),
+            exit: at(exit_s),
+            closest: at(entry_s),
+            min_separation_rad: 0.0,
+            entry_clipped: false,
+            exit_clipped: false,
+        }
+    }
+
+    /// A check that has seen one pass from 10 s to 20 s, the slopes of its edges known.
+    fn noted() -> SessionCheck {
+        let mut check = SessionCheck::WAITING;
+        assert!(check.note(&pass(10, 20)));
+        for edge in [&mut check.first_entry, &mut check.last_exit].into_iter().flatten() {
+            edge.slopes_s = Some([1.0; 3]);
+        }
+        check
+    }
+
+    fn edges_s(check: &SessionCheck) -> [i64; 2] {
+        [check.first_entry, check.last_exit].map(|edge| edge.unwrap().at.tai_ns() / SECOND)
+    }
+
+    #[test]
+    // REQ-SEQ-5.
+    fn the_first_entry_and_the_last_exit_count() {
+        for (entry, exit, expected) in
+            [(5, 15, [5, 20]), (15, 25, [10, 25]), (5, 25, [5, 25]), (12, 18, [10, 20])]
+        {
+            let mut check = noted();
+            let moved = check.note(&pass(entry, exit));
+            assert_eq!(edges_s(&check), expected);
+            assert_eq!(moved, expected != [10, 20], "{entry} to {exit}");
+            assert_eq!(check.passes, 2);
+        }
+        // The same edges once more are looked at once.
+        assert!(!noted().note(&pass(10, 20)));
+    }
+
+    #[test]
+    // REQ-SEQ-5.
+    fn edges_may_differ_by_the_tolerance_and_no_more() {
+        let planned = SessionRecord {
+            first_entry: later(Instant::from_tai_ns(0), 10),
+            last_exit: later(Instant::from_tai_ns(0), 20),
+            ..session()
+        };
+        let verdict = |entry_ns: i64, exit_ns: i64| {
+            let mut check = noted();
+            let moved = |edge: &mut Option<Edge>, ns| {
+                let edge = edge.as_mut().unwrap();
+                edge.at = edge.at.plus(Duration::from_ns(ns));
+            };
+            moved(&mut check.first_entry, entry_ns);
+            moved(&mut check.last_exit, exit_ns);
+            with_question(&planned, |question| check.compare(question))
+        };
+        for by in [SECOND, -SECOND] {
+            assert_eq!(verdict(by, 0), Ok(()));
+            assert_eq!(verdict(0, by), Ok(()));
+            let more = by + by.signum();
+            assert_eq!(verdict(more, 0), Err(SkipReason::Entry(Duration::from_ns(more))));
+            assert_eq!(verdict(0, more), Err(SkipReason::Exit(Duration::from_ns(more))));
+        }
+    }
+
+    #[test]
+    // REQ-SEQ-5.
+    fn as_many_passes_as_can_be_counted_are_no_other_number() {
+        let verdict = |planned: u16, predicted: u16| {
+            let check = SessionCheck { passes: predicted, ..noted() };
+            let session = SessionRecord {
+                first_entry: later(Instant::from_tai_ns(0), 10),
+                last_exit: later(Instant::from_tai_ns(0), 20),
+                passes: planned,
+                ..session()
+            };
+            with_question(&session, |question| check.compare(question))
+        };
+        assert_eq!(verdict(u16::MAX, u16::MAX), Ok(()));
+        assert_eq!(verdict(3, u16::MAX), Err(SkipReason::Passes(u16::MAX)));
+        assert_eq!(verdict(u16::MAX, 3), Err(SkipReason::Passes(3)));
+        assert_eq!(verdict(3, 2), Ok(()));
+        assert_eq!(verdict(3, 5), Err(SkipReason::Passes(5)));
+    }
+
+    #[test]
+    // REQ-SEQ-12.
+    fn every_piece_is_counted() {
+        let session = session();
+        let mut check = SessionCheck::WAITING;
+        check.start(&strategy());
+        assert_eq!(check.pieces(), 0);
+        with_question(&session, |question| {
+            let (mut check, calls) = checked(check, question);
+            assert_eq!(check.verdict(), Some(Ok(())));
+            assert!(calls > 5);
+            assert_eq!(check.pieces(), calls);
+            // Once it is over nothing is done.
+            assert_eq!(check.advance(question, 3), 0);
+            assert_eq!(check.pieces(), calls);
+        });
+    }
+
+    #[test]
+    fn a_check_of_avoidance_alone_leaves_the_target_out() {
+        let elsewhen = session();
+        let elsewhen = SessionRecord {
+            first_entry: later(elsewhen.last_exit, 60),
+            last_exit: later(elsewhen.last_exit, 90),
+            ..elsewhen
+        };
+        let verdict = |start: fn(&mut SessionCheck, &ScanStrategy)| {
+            let mut check = SessionCheck::WAITING;
+            start(&mut check, &strategy());
+            assert!(!check.is_waiting());
+            with_question(&elsewhen, |question| checked(check, question).0.verdict())
+        };
+        assert_eq!(verdict(SessionCheck::start), Some(Err(SkipReason::NoPass)));
+        assert_eq!(verdict(SessionCheck::start_with_avoidance), Some(Ok(())));
+    }
+
+    #[test]
+    // REQ-SEQ-8.
+    fn edges_move_by_their_slopes() {
+        let step_rad = 1e-4;
+        let (mut passes, mut worst) = (0, 0.0_f64);
+        for (rectangle, session) in [false, true]
+            .into_iter()
+            .flat_map(|it| sessions().into_iter().map(move |own| (it, own)))
+        {
+            let board = Board { rectangle, ..Board::default() };
+            let after = |by_rad: f64| {
+                let mut check = SessionCheck::WAITING;
+                check.start(&turned(by_rad));
+                asked(&board, &session, |question| {
+                    let check = checked(check, question).0;
+                    [check.first_entry, check.last_exit]
+                })
+            };
+            let (before, own, later) = (after(-step_rad), after(0.0), after(step_rad));
+            for ((before, own), later) in before.iter().zip(own).zip(later) {
+                let (Some(before), Some(own), Some(later)) = (before, own, later) else { continue };
+                let moved_s = later.at.since(before.at).seconds() / (2.0 * step_rad);
+                let [_, _, spin_s] = own.slopes_s.unwrap();
+                worst = worst.max((moved_s.abs() / spin_s.abs() - 1.0).abs());
+                passes += 1;
+            }
+        }
+        assert!(passes > 20 && worst < 0.01, "{passes} {worst}");
+    }
 }

@@ -50,6 +50,8 @@ pub(super) fn turned_rad(one: &ScanStrategy, other: &ScanStrategy, at: Instant) 
 
 #[cfg(test)]
 mod tests {
+    use super::super::trial::{Board, Flight, SETTINGS, later, sessions, strategy, turned};
+    use super::super::{ScanEstimate, Settings};
     use super::*;
     use crate::phase::{Phase, Rotor, TurnRate};
     use crate::scan::ScanParameters;
@@ -78,5 +80,22 @@ mod tests {
         assert!((from(&scan(0.7 + 1e-4, 0.3, 0.2)) - 1e-4).abs() < 1e-12);
         // The far way round is the near one.
         assert!((from(&scan(0.7, 0.3, 0.2 + 4.0)) - (core::f64::consts::TAU - 4.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    // REQ-SEQ-7.
+    fn a_verdict_stands_at_the_angle_itself() {
+        let session = *sessions().first().expect("a session");
+        let bytes = Board::default().uplink(1, &[session]);
+        let other = turned(2e-3);
+        let by = |at| turned_rad(&strategy(), &other, at);
+        let recheck_rad = by(session.start).max(by(session.end));
+        let mut flight = Flight::with(Settings { recheck_rad, ..SETTINGS }, &bytes);
+        flight.run(later(session.start, -3600), later(session.start, -600));
+        flight.scan = ScanEstimate::Strategy(&other);
+        assert_eq!(
+            flight.told(later(session.start, -600).tai_ns()).check,
+            super::super::Progress::Done
+        );
     }
 }

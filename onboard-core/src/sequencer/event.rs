@@ -68,6 +68,7 @@ pub enum EventKind {
 impl Event {
     /// Its kind.
     #[must_use]
+    #[inline(never)]
     pub const fn kind(&self) -> EventKind {
         match self {
             Self::Entered(_) => EventKind::Entered,
@@ -85,6 +86,7 @@ impl Event {
 impl EventKind {
     /// How much it matters in a full queue, 3 the most.
     #[must_use]
+    #[inline(never)]
     pub const fn rank(self) -> u8 {
         match self {
             Self::Safe => 3,
@@ -151,6 +153,7 @@ impl Lost {
             .saturating_add(self.time_jumped)
     }
 
+    #[inline(never)]
     const fn count(&mut self, kind: EventKind) {
         let number = match kind {
             EventKind::Entered => &mut self.entered,
@@ -228,29 +231,39 @@ impl Log<'_> {
         let mut least = newest.event.kind().rank();
         let mut place = None;
         for index in 0..held {
-            let Some(stamped) = self.events.pop_front() else { return };
-            let rank = stamped.event.kind().rank();
+            let Some(kind) = self.turn(false) else { return };
+            let rank = kind.rank();
             if rank < least || (rank == least && place.is_some()) {
                 (least, place) = (rank, Some(index));
             }
-            self.keep(stamped);
         }
         if place.is_none() {
             self.lost.count(newest.event.kind());
             return;
         }
         for index in 0..held {
-            let Some(stamped) = self.events.pop_front() else { return };
-            if place == Some(index) {
-                self.lost.count(stamped.event.kind());
-            } else {
-                self.keep(stamped);
+            if self.turn(place == Some(index)).is_none() {
+                return;
             }
         }
         self.keep(newest);
     }
 
+    /// Puts the oldest event at the end, or leaves it out; which kind it is.
+    #[inline(never)]
+    fn turn(&mut self, goes: bool) -> Option<EventKind> {
+        let stamped = self.events.pop_front()?;
+        let kind = stamped.event.kind();
+        if goes {
+            self.lost.count(kind);
+        } else {
+            self.keep(stamped);
+        }
+        Some(kind)
+    }
+
     /// At the end, where there is room.
+    #[inline(never)]
     fn keep(&mut self, stamped: Stamped) {
         if let Err(stamped) = self.events.push_back(stamped) {
             self.lost.count(stamped.event.kind());

@@ -8,8 +8,8 @@
 //! in time.
 //!
 //! Rules:
-//! - A new sequencer is safe. Without a valid clock, or sound tables that are valid now, the state is
-//!   safe. It is left only by [`Sequencer::resume`], ordered since it was entered, and only when both
+//! - A new sequencer is safe. Without a valid clock of the tables' spacecraft, or sound tables that are
+//!   valid now, the state is safe. It is left only by [`Sequencer::resume`], ordered since it was entered, and only when both
 //!   are there.
 //! - Time that runs backwards by more than the longest gap between ticks leads to safe; by less, it
 //!   stands still until the counter has caught up. A jump forwards by more than the longest gap
@@ -36,6 +36,8 @@ mod event;
 mod trial;
 #[cfg(test)]
 mod rules;
+#[cfg(test)]
+mod table_rules;
 
 pub use check::{MAX_STEPS_PER_TICK, Question, SessionCheck};
 pub use estimate::ScanEstimate;
@@ -44,7 +46,7 @@ pub use reason::{AbortReason, SafeReason, SkipReason, State};
 pub use settings::{Settings, SettingsError};
 pub use watch::MAX_LOOKS_PER_TICK;
 
-use crate::clock::ClockCorrelation;
+use crate::clock::{ClockCorrelation, ClockError};
 use crate::scan::ScanStrategy;
 use crate::time::{Duration, Instant};
 use crate::uplink::{SessionRecord, Tables};
@@ -138,7 +140,7 @@ impl Sequencer {
             state: State::Safe(SafeReason::Boot),
             running: None,
             next: 0,
-            check: SessionCheck::WAITING,
+            check: SessionCheck::waiting(),
             of_mission: true,
             watch: Watch::FIRST,
             tables: None,
@@ -197,8 +199,8 @@ impl Sequencer {
                     self.follow_tables(now, tables, log);
                     self.follow_strategy(&situation.scan, tables);
                     self.follow_session(now, log);
-                    if let Some(session) = self.look_ahead(now, (tables, &situation.scan), log) {
-                        evaluations = self.look_into(&session, tables, &situation.scan);
+                    if let Some(session) = &self.look_ahead(now, (tables, &situation.scan), log) {
+                        evaluations = self.look_into(session, tables, &situation.scan);
                     }
                     self.follow_session(now, log);
                     let looks = self.follow_avoidance(now, tables, &situation.scan, log);
@@ -226,6 +228,13 @@ impl Sequencer {
             return Err(SafeReason::Commanded);
         }
         let clock = situation.clock.ok_or(SafeReason::NoClock)?;
+        if let Some(tables) = situation.tables
+            && clock.spacecraft != tables.header().spacecraft
+        {
+            let flown = tables.header().spacecraft;
+            let other = ClockError::OtherSpacecraft { record: clock.spacecraft, flown };
+            return Err(SafeReason::Clock(other));
+        }
         let now = clock.instant(situation.ticks).map_err(SafeReason::Clock)?;
         let tables = situation.tables.ok_or(SafeReason::NoTables)?;
         if situation.tables_damaged {
@@ -462,7 +471,7 @@ impl Sequencer {
             return Err(SkipReason::Overlap);
         }
         self.check.verdict().unwrap_or(Err(SkipReason::NotChecked))?;
-        let uncertainty = self.check.uncertainty(|at| scan.covariance_at(at));
+        let uncertainty = self.check.uncertainty(scan);
         if uncertainty > self.settings.tolerance {
             return Err(SkipReason::Uncertain(uncertainty));
         }

@@ -21,6 +21,7 @@ pub enum State {
 
 /// Why the state is safe.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum SafeReason {
     /// The sequencer is new: after a reset nothing begins by itself.
     Boot,
@@ -46,6 +47,7 @@ pub enum SafeReason {
 
 /// Why a session is not begun.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SkipReason {
     /// Its start had passed by more than the longest gap.
     Missed,
@@ -71,6 +73,7 @@ pub enum SkipReason {
 
 /// Why a running session is given up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AbortReason {
     /// The state became safe.
     Safe,

@@ -3,7 +3,7 @@
 extern crate std;
 
 use super::trial::{
-    BODY, Board, CLOCK, DAY, Flight, SECOND, SETTINGS, TILT_RAD, all_over, beside_track, later,
+    Board, CLOCK, DAY, Flight, SECOND, SETTINGS, TILT_RAD, all_over, beside_track, later,
     least_angles_rad, sessions, strategy, turned,
 };
 use super::{AbortReason, Event, SafeReason, ScanEstimate, Sequencer, Settings, SkipReason, State};
@@ -12,15 +12,15 @@ use crate::direction::Direction;
 use crate::frame::Ecliptic;
 use crate::time::{Duration, Instant};
 use crate::tracking::{Tracker, TrackerSettings};
-use crate::uplink::{SessionRecord, TableError, Tables};
+use crate::uplink::{SessionRecord, Tables};
 use std::vec;
 use std::vec::Vec;
 
-fn session() -> SessionRecord {
+pub(super) fn session() -> SessionRecord {
     *sessions().first().expect("a session")
 }
 
-fn ns(at: Instant, by: i64) -> Instant {
+pub(super) fn ns(at: Instant, by: i64) -> Instant {
     at.plus(Duration::from_ns(by))
 }
 
@@ -116,6 +116,22 @@ fn without_clock_tables_or_telescope_it_is_safe() {
     assert_eq!(flight.sequencer.state(), State::Safe(SafeReason::Boot));
     let telescopes = Flight::new(&bytes).tick(now);
     assert_eq!(telescopes, State::Idle);
+}
+
+#[test]
+// REQ-SEQ-2.
+fn another_spacecrafts_clock_is_safe() {
+    let session = session();
+    let bytes = Board::default().uplink(1, &[session]);
+    let mut flight = Flight::new(&bytes);
+    flight.run(later(session.start, -3600), later(session.start, 20));
+    flight.clock = Some(ClockCorrelation { spacecraft: 2, ..CLOCK });
+    let other = SafeReason::Clock(ClockError::OtherSpacecraft { record: 2, flown: 1 });
+    assert_eq!(flight.tick(later(session.start, 30)), State::Safe(other));
+    flight.sequencer.resume();
+    assert_eq!(flight.tick(later(session.start, 40)), State::Safe(other), "as long as it lasts");
+    flight.clock = Some(CLOCK);
+    assert_eq!(flight.tick(later(session.start, 50)), State::Idle);
 }
 
 #[test]
@@ -389,7 +405,7 @@ fn only_in(session: &SessionRecord, part: usize, tilt_rad: f64) -> (Direction<Ec
 }
 
 /// A direction that neither field comes near to.
-fn nowhere(session: &SessionRecord) -> Direction<Ecliptic> {
+pub(super) fn nowhere(session: &SessionRecord) -> Direction<Ecliptic> {
     let least = |it: Direction<Ecliptic>, tilt: f64| {
         least_angles_rad(session, it, tilt).into_iter().fold(9.0, f64::min)
     };
@@ -403,13 +419,14 @@ fn avoidance_counts_in_setup_calibrating_and_cooldown() {
     let session = session();
     for part in 0..3 {
         let (near, angle) = only_in(&session, part, 0.0);
-        let board = Board { bodies: vec![near], limits: vec![(0, angle)], detectors: false };
+        let board = Board { bodies: vec![near], limits: vec![(0, angle)], ..Board::default() };
         let bytes = board.uplink(1, &[session]);
         let mut flight = Flight::new(&bytes);
         fly(&mut flight, &session);
         assert_eq!(flight.skips(), [SkipReason::Avoidance(Board::number(0))], "part {part}");
     }
-    let board = Board { bodies: vec![nowhere(&session)], limits: vec![(0, 0.2)], detectors: false };
+    let board =
+        Board { bodies: vec![nowhere(&session)], limits: vec![(0, 0.2)], ..Board::default() };
     let bytes = board.uplink(1, &[session]);
     let mut flight = Flight::new(&bytes);
     fly(&mut flight, &session);
@@ -427,7 +444,7 @@ fn every_limit_counts_and_every_field_of_it() {
     let reasons = |placed: Vec<(Direction<Ecliptic>, f64)>| {
         let bodies = placed.iter().map(|it| it.0).collect();
         let limits = placed.iter().map(|it| it.1).enumerate().collect();
-        let board = Board { bodies, limits, detectors: true };
+        let board = Board { bodies, limits, detectors: true, ..Board::default() };
         let bytes = board.uplink(1, &[session]);
         let mut flight = Flight::new(&bytes);
         fly(&mut flight, &session);
@@ -439,7 +456,7 @@ fn every_limit_counts_and_every_field_of_it() {
     assert_eq!(reasons(vec![second]), avoided(0), "the second field");
     assert_eq!(reasons(vec![far, second, far]), avoided(1), "both");
     // A limit that no field can keep.
-    let board = Board { bodies: vec![far.0], limits: vec![(0, 3.1)], detectors: false };
+    let board = Board { bodies: vec![far.0], limits: vec![(0, 3.1)], ..Board::default() };
     let bytes = board.uplink(1, &[session]);
     let mut flight = Flight::new(&bytes);
     fly(&mut flight, &session);
@@ -477,7 +494,7 @@ fn avoidance_is_watched_in_every_part_of_a_running_session() {
     let avoided = vec![AbortReason::Avoidance(Board::number(0))];
     for part in 0..3 {
         let (near, angle) = only_in(&session, part, 0.0);
-        let board = Board { bodies: vec![near], limits: vec![(0, angle)], detectors: false };
+        let board = Board { bodies: vec![near], limits: vec![(0, angle)], ..Board::default() };
         let (started, aborts, before) = watched(&session, &board);
         assert_eq!((started, &aborts), (1, &avoided), "part {part}");
         match part {
@@ -492,7 +509,12 @@ fn avoidance_is_watched_in_every_part_of_a_running_session() {
             }
         }
     }
-    let far = Board { bodies: vec![nowhere(&session)], limits: vec![(0, 0.2)], detectors: true };
+    let far = Board {
+        bodies: vec![nowhere(&session)],
+        limits: vec![(0, 0.2)],
+        detectors: true,
+        ..Board::default()
+    };
     let (started, aborts, _) = watched(&session, &far);
     assert_eq!((started, aborts), (1, vec![]));
 }
@@ -508,7 +530,8 @@ fn every_limit_and_field_has_its_turn_in_the_watch() {
         let mut bodies = vec![far; 6];
         bodies[place] = near;
         let limits = (0..6).map(|it| (it, angle)).collect();
-        let (started, aborts, _) = watched(&session, &Board { bodies, limits, detectors: true });
+        let (started, aborts, _) =
+            watched(&session, &Board { bodies, limits, detectors: true, ..Board::default() });
         assert_eq!(
             (started, aborts),
             (1, vec![AbortReason::Avoidance(Board::number(place))]),
@@ -522,7 +545,8 @@ fn every_limit_and_field_has_its_turn_in_the_watch() {
 fn the_watch_looks_at_no_more_than_its_bound() {
     let session = session();
     let far = nowhere(&session);
-    let board = Board { bodies: vec![far], limits: vec![(0, 0.2); 9], detectors: true };
+    let board =
+        Board { bodies: vec![far], limits: vec![(0, 0.2); 9], detectors: true, ..Board::default() };
     let bytes = board.uplink(1, &[session]);
     let mut flight = Flight::new(&bytes);
     flight.run(later(session.start, -3600), session.start);
@@ -543,42 +567,4 @@ fn passes_may_differ_by_their_tolerance_only() {
     };
     assert_eq!(started(1), (0, vec![SkipReason::Passes(1)]));
     assert_eq!(started(2), (1, vec![]));
-}
-
-#[test]
-// REQ-CONT-2.
-fn tables_hold_only_sessions_inside_their_validity_and_of_their_telescopes() {
-    let session = session();
-    let board = Board::default();
-    let load = |session: SessionRecord, validity| {
-        Tables::load(&board.uplink_valid(1, &[session], validity)).map(|_| ()).unwrap_err()
-    };
-    let own = (session.start, session.end);
-    assert!(Tables::load(&board.uplink_valid(1, &[session], own)).is_ok());
-    let outside = TableError::SessionOutside(0);
-    assert_eq!(load(session, (ns(own.0, 1), own.1)), outside);
-    assert_eq!(load(session, (own.0, ns(own.1, -1))), outside);
-    let elsewhere = SessionRecord { telescope: 1, ..session };
-    assert_eq!(load(elsewhere, own), TableError::SessionTelescope(0));
-}
-
-#[test]
-// REQ-CONT-2.
-fn tables_hold_only_bodies_that_cover_their_validity() {
-    let session = session();
-    // The ephemeris reaches from a day before the start to 40 days after it.
-    let (from, until) = (Instant::from_tai_ns(-DAY), Instant::from_tai_ns(40 * DAY));
-    let with_limit =
-        Board { bodies: vec![nowhere(&session)], limits: vec![(0, 0.2)], detectors: false };
-    let load = |board: &Board, sessions: &[SessionRecord], validity| {
-        Tables::load(&board.uplink_valid(1, sessions, validity)).map(|_| ())
-    };
-    for (board, sessions, body) in
-        [(&Board::default(), &[session][..], BODY), (&with_limit, &[][..], Board::number(0))]
-    {
-        assert_eq!(load(board, sessions, (from, until)), Ok(()));
-        let short = Err(TableError::Coverage(body));
-        assert_eq!(load(board, sessions, (ns(from, -1), until)), short);
-        assert_eq!(load(board, sessions, (from, ns(until, 1))), short);
-    }
 }

@@ -26,6 +26,7 @@ pub struct Settings {
 
 /// Which setting is illegal.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// The tolerance is negative.
     Tolerance(Duration),

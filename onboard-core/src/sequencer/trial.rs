@@ -69,6 +69,8 @@ pub(super) struct Board {
     pub(super) limits: Vec<(usize, f64)>,
     /// Whether two detectors are listed, along the telescope and tilted.
     pub(super) detectors: bool,
+    /// Whether the telescope's field is a rectangle inside the circle.
+    pub(super) rectangle: bool,
 }
 
 pub(super) fn strategy() -> ScanStrategy {
@@ -133,7 +135,11 @@ impl Board {
 
     fn mission(&self) -> Vec<u8> {
         let rotation = Rotation::<Telescope, Boresight>::IDENTITY;
-        let field = FieldShape::Circle(RADIUS_RAD);
+        let field = if self.rectangle {
+            FieldShape::Rectangle { width_rad: 1.5 * RADIUS_RAD, height_rad: 1.2 * RADIUS_RAD }
+        } else {
+            FieldShape::Circle(RADIUS_RAD)
+        };
         let telescope = TelescopeRecord { rotation, hwp: None, field };
         let counts = Counts {
             telescopes: 1,

@@ -9,6 +9,7 @@
 
 use super::reason::AbortReason;
 use crate::attitude::attitude;
+use crate::convert::uncounted;
 use crate::direction::Direction;
 use crate::ephemeris::EphemerisError;
 use crate::frame::{Boresight, Ecliptic};
@@ -20,6 +21,9 @@ use crate::uplink::{AvoidanceRecord, Tables};
 
 /// Most pairs of limit and field looked at in one tick, each an evaluation.
 pub const MAX_LOOKS_PER_TICK: u32 = 4;
+
+/// Most rounds of one tick: where a limit's fields end, no look is made.
+const MOST_ROUNDS: usize = 8;
 
 /// Which pair is next.
 #[derive(Debug, Clone, Copy)]
@@ -49,8 +53,7 @@ impl Watch {
             Ok(attitude) => attitude,
             Err(error) => return (looks, Some(AbortReason::Ephemeris(error))),
         };
-        // Where a limit's fields end, no look is made: at most twice as many rounds.
-        for _ in 0..MAX_LOOKS_PER_TICK.saturating_mul(2) {
+        for _ in 0..uncounted(MOST_ROUNDS) {
             if looks >= MAX_LOOKS_PER_TICK {
                 break;
             }
@@ -94,7 +97,9 @@ fn too_close(
     attitude: &Rotation<Ecliptic, Boresight>,
     now: Instant,
 ) -> Option<Result<bool, EphemerisError>> {
-    let field = tables.mission().calibration_field(telescope, index)?;
+    // Borrowed, not moved out of the option: a copy less on the stack.
+    let field = tables.mission().calibration_field(telescope, index);
+    let field = field.as_ref()?;
     let seen = direction(record.body, tables, attitude, now);
     let limit = record.angle_rad - SEPARATION_TOLERANCE_RAD;
     Some(seen.map(|direction| field.angle_to_rad(direction) < limit))
@@ -108,4 +113,47 @@ fn direction(
     now: Instant,
 ) -> Result<Direction<Boresight>, EphemerisError> {
     Ok(attitude.apply(tables.ephemeris().body(body)?.state(now)?.direction))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::{Board, RADIUS_RAD};
+    use super::*;
+    use std::vec;
+
+    extern crate std;
+
+    #[test]
+    // REQ-SEQ-9.
+    fn a_body_is_too_close_below_the_limit_less_the_tolerance() {
+        let body = Direction::from_longitude_latitude(0.3, 1.0);
+        let board = Board { bodies: vec![body], ..Board::default() };
+        let bytes = board.uplink(1, &[]);
+        let tables = Tables::load(&bytes).unwrap();
+        let now = Instant::from_tai_ns(0);
+        let attitude = Rotation::IDENTITY;
+        let seen_rad = {
+            let field = tables.mission().calibration_field(0, 0).unwrap();
+            field.angle_to_rad(direction(Board::number(0), &tables, &attitude, now).unwrap())
+        };
+        assert!((seen_rad - (core::f64::consts::FRAC_PI_2 - 1.0 - RADIUS_RAD)).abs() < 1e-12);
+        let close = |angle_rad: f64| {
+            let record = AvoidanceRecord { body: Board::number(0), angle_rad };
+            too_close(&record, (0, 0), &tables, &attitude, now).unwrap().unwrap()
+        };
+        assert!(close(seen_rad + 1.1 * SEPARATION_TOLERANCE_RAD));
+        assert!(!close(seen_rad + 0.9 * SEPARATION_TOLERANCE_RAD));
+        assert!(!close(seen_rad));
+        // The limit itself, to the last bit.
+        let mut limit_rad = seen_rad + SEPARATION_TOLERANCE_RAD;
+        while limit_rad - SEPARATION_TOLERANCE_RAD > seen_rad {
+            limit_rad = limit_rad.next_down();
+        }
+        while limit_rad - SEPARATION_TOLERANCE_RAD < seen_rad {
+            limit_rad = limit_rad.next_up();
+        }
+        assert!(!close(limit_rad));
+        let record = AvoidanceRecord { body: Board::number(0), angle_rad: limit_rad };
+        assert!(too_close(&record, (0, 1), &tables, &attitude, now).is_none(), "one field only");
+    }
 }

@@ -12,8 +12,8 @@
 //! keep the first update within 1 % of its variance (the test below) and all others far closer.
 //! `tests/tests/tracking.rs` holds estimates and covariances to a batch of least squares.
 
+use crate::convert::uncounted;
 use crate::uncertainty::ScanCovariance;
-use core::array;
 
 /// Precession phase, alpha, spin phase, precession rate, spin rate.
 pub(super) type Errors = [f64; 5];
@@ -48,21 +48,22 @@ impl ErrorCovariance {
     }
 
     /// The upper half, row by row.
-    pub(super) fn upper(&self) -> [f64; 15] {
-        let mut cells = upper_cells();
-        array::from_fn(|_| cells.next().map_or(0.0, |(i, j)| self.cell(i, j)))
+    pub(super) const fn upper(&self) -> [f64; 15] {
+        let [[aa, ab, ac, ad, ae], [_, bb, bc, bd, be], [.., cc, cd, ce], [.., dd, de], [.., ee]] =
+            self.rows;
+        [aa, ab, ac, ad, ae, bb, bc, bd, be, cc, cd, ce, dd, de, ee]
     }
 
     /// The symmetric covariance of an upper half.
-    pub(super) fn of_upper(upper: [f64; 15]) -> Self {
-        let mut rows = [[0.0; 5]; 5];
-        for ((i, j), number) in upper_cells().zip(upper) {
-            for (i, j) in [(i, j), (j, i)] {
-                if let Some(cell) = rows.get_mut(i).and_then(|row: &mut Errors| row.get_mut(j)) {
-                    *cell = number;
-                }
-            }
-        }
+    pub(super) const fn of_upper(upper: [f64; 15]) -> Self {
+        let [aa, ab, ac, ad, ae, bb, bc, bd, be, cc, cd, ce, dd, de, ee] = upper;
+        let rows = [
+            [aa, ab, ac, ad, ae],
+            [ab, bb, bc, bd, be],
+            [ac, bc, cc, cd, ce],
+            [ad, bd, cd, dd, de],
+            [ae, be, ce, de, ee],
+        ];
         Self { rows }
     }
 
@@ -79,36 +80,28 @@ impl ErrorCovariance {
     }
 
     /// Finite, symmetric, no negative variance, no correlation beyond one.
+    #[inline(never)]
     pub(super) fn is_legal(&self) -> bool {
-        let variance = |i: usize| self.cell(i, i);
-        (0..5).all(|i| {
-            (0..5).all(|j| {
-                let here = self.cell(i, j);
-                let most = libm::sqrt(variance(i)) * libm::sqrt(variance(j));
-                here.is_finite()
-                    && variance(i) >= 0.0
-                    && here.to_bits() == self.cell(j, i).to_bits()
-                    && libm::fabs(here) <= most * (1.0 + 1e-9)
-            })
-        })
+        all_cells().all(|(i, j)| self.is_legal_at(i, j))
+    }
+
+    #[inline(never)]
+    fn is_legal_at(&self, i: usize, j: usize) -> bool {
+        let (here, own, other) = (self.cell(i, j), self.cell(i, i), self.cell(j, j));
+        let most = libm::sqrt(own) * libm::sqrt(other);
+        here.is_finite()
+            && own >= 0.0
+            && here.to_bits() == self.cell(j, i).to_bits()
+            && libm::fabs(here) <= most * (1.0 + 1e-9)
     }
 
     /// `seconds` later: `F P F' + Q`.
+    #[inline(never)]
     pub(super) fn propagate(&mut self, seconds: f64, walks: &Walks) {
-        let [precession, alpha, spin, precession_rate, spin_rate] = self.rows;
-        let grown = |phase: Errors, rate: Errors| {
-            let mut grown = phase;
-            add(&mut grown, seconds, &rate);
-            grown
-        };
-        self.rows = [
-            grown(precession, precession_rate),
-            alpha,
-            grown(spin, spin_rate),
-            precession_rate,
-            spin_rate,
-        ];
-        for row in &mut self.rows {
+        let [precession, _, spin, precession_rate, spin_rate] = &mut self.rows;
+        add(precession, seconds, precession_rate);
+        add(spin, seconds, spin_rate);
+        for row in self.rows.iter_mut().take(uncounted(5)) {
             let [precession, _, spin, precession_rate, spin_rate] = row;
             *precession += seconds * *precession_rate;
             *spin += seconds * *spin_rate;
@@ -124,17 +117,30 @@ impl ErrorCovariance {
         let [a_rate, b_rate] = walks.rates.map(|walk| walk * walk * time);
         let half = 0.5 * seconds;
         let third = time * time / 3.0;
-        let [precession, tilt, spin, precession_rate, spin_rate] = &mut self.rows;
-        add(precession, 1.0, &[a + a_rate * third, 0.0, 0.0, a_rate * half, 0.0]);
-        add(tilt, 1.0, &[0.0, alpha, 0.0, 0.0, 0.0]);
-        add(spin, 1.0, &[0.0, 0.0, b + b_rate * third, 0.0, b_rate * half]);
-        add(precession_rate, 1.0, &[a_rate * half, 0.0, 0.0, a_rate, 0.0]);
-        add(spin_rate, 1.0, &[0.0, 0.0, b_rate * half, 0.0, b_rate]);
+        let [
+            [aa, _, _, ad, _],
+            [_, bb, ..],
+            [_, _, cc, _, ce],
+            [da, _, _, dd, _],
+            [_, _, ec, _, ee],
+        ] = &mut self.rows;
+        *aa += a + a_rate * third;
+        *bb += alpha;
+        *cc += b + b_rate * third;
+        for cell in [ad, da] {
+            *cell += a_rate * half;
+        }
+        for cell in [ce, ec] {
+            *cell += b_rate * half;
+        }
+        *dd += a_rate;
+        *ee += b_rate;
     }
 
     /// Takes in `value = h . errors + noise`: improves the estimated errors and the covariance.
     ///
     /// Answers the squared surprise over its variance, a chi^2 of one degree of freedom.
+    #[inline(never)]
     pub(super) fn observe(
         &mut self,
         estimate: &mut Errors,
@@ -156,20 +162,32 @@ impl ErrorCovariance {
         surprise * surprise / spread
     }
 
+    #[inline(never)]
     fn times(&self, h: &Errors) -> Errors {
         let [a, alpha, b, a_rate, b_rate] = &self.rows;
         [dot(a, h), dot(alpha, h), dot(b, h), dot(a_rate, h), dot(b_rate, h)]
     }
 
+    #[inline(never)]
     fn add_outer(&mut self, factor: f64, column: &Errors, line: &Errors) {
         for (row, value) in self.rows.iter_mut().zip(column) {
             add(row, factor * value, line);
         }
     }
 
+    #[inline(never)]
     fn symmetrise(&mut self) {
-        self.rows =
-            array::from_fn(|i| array::from_fn(|j| 0.5 * (self.cell(i, j) + self.cell(j, i))));
+        for (i, j) in all_cells().filter(|(i, j)| i < j) {
+            let mean = 0.5 * (self.cell(i, j) + self.cell(j, i));
+            self.set(i, j, mean);
+            self.set(j, i, mean);
+        }
+    }
+
+    fn set(&mut self, i: usize, j: usize, value: f64) {
+        if let Some(cell) = self.rows.get_mut(i).and_then(|row| row.get_mut(j)) {
+            *cell = value;
+        }
     }
 
     fn cell(&self, i: usize, j: usize) -> f64 {
@@ -177,15 +195,17 @@ impl ErrorCovariance {
     }
 }
 
-/// Row and column of the upper half's numbers.
-fn upper_cells() -> impl Iterator<Item = (usize, usize)> {
-    (0..5).flat_map(|i| (i..5).map(move |j| (i, j)))
+/// Row and column of every number, row by row.
+fn all_cells() -> impl Iterator<Item = (usize, usize)> {
+    (0..uncounted(5)).flat_map(|i| (0..uncounted(5)).map(move |j| (i, j)))
 }
 
+#[inline(never)]
 fn dot(a: &Errors, b: &Errors) -> f64 {
     a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
 }
 
+#[inline(never)]
 fn add(to: &mut Errors, factor: f64, other: &Errors) {
     for (to, other) in to.iter_mut().zip(other) {
         *to += factor * other;
@@ -237,7 +257,7 @@ mod tests {
         p.propagate(10.0, &NO_WALKS);
         p.observe(&mut [0.0; 5], &[1.0, 0.5, 1.0, 0.25, 0.0], 0.0, 1.0);
         assert_eq!(ErrorCovariance::of_upper(p.upper()), p);
-        let numbers = array::from_fn(|i| f64::from(u8::try_from(i).unwrap()));
+        let numbers = core::array::from_fn(|i| f64::from(u8::try_from(i).unwrap()));
         let back = ErrorCovariance::of_upper(numbers).upper();
         assert_eq!(back.map(f64::to_bits), numbers.map(f64::to_bits));
     }
@@ -270,5 +290,18 @@ mod tests {
                 prop_assert!((a - b).abs() <= 1e-13 * b.abs(), "{a:e} {b:e}");
             }
         }
+    }
+
+    #[test]
+    fn correlations_and_variances_have_their_ends() {
+        let with = |variances: [f64; 2], covariance: f64| {
+            let mut p = ErrorCovariance::diagonal([variances[0], variances[1], 1.0, 1.0, 1.0]);
+            (p.rows[0][1], p.rows[1][0]) = (covariance, covariance);
+            p.is_legal()
+        };
+        assert!(with([4.0, 9.0], 5.99) && with([4.0, 9.0], -6.0) && with([0.0, 9.0], 0.0));
+        assert!(!with([4.0, 9.0], 6.01) && !with([4.0, 9.0], -6.01) && !with([0.0, 9.0], 0.1));
+        assert!(with([4.0, 9.0], 6.0 * (1.0 + 0.9e-9)) && !with([4.0, 9.0], 6.0 * (1.0 + 1.1e-9)));
+        assert!(!with([f64::INFINITY, 9.0], 0.0) && !with([-4.0, -9.0], 0.0));
     }
 }

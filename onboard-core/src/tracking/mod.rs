@@ -25,6 +25,8 @@ mod angles;
 mod filter;
 mod settings;
 mod state;
+#[cfg(test)]
+mod rules;
 
 pub use angles::ScanAngles;
 pub use settings::{
@@ -78,6 +80,7 @@ pub struct Residuals {
 
 /// Why a measurement was refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum MeasurementRefusal {
     /// The noise (rad) is not in [`SIGMAS_RAD`].
     Sigma(f64),

@@ -21,6 +21,9 @@ pub const MAX_RATE_WALK: f64 = 1e-6;
 /// Legal gates on chi^2 of three degrees of freedom.
 pub const GATES: core::ops::RangeInclusive<f64> = 1.0..=1e4;
 
+/// The least number above zero: any positive limit of a correction is legal.
+const LEAST_LIMIT_RAD: f64 = f64::from_bits(1);
+
 /// One of the angles that an attitude shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScanAngle {
@@ -60,6 +63,7 @@ pub struct TrackerSettings {
 
 /// Why settings are illegal.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum TrackerSettingsError {
     /// An angle's prior standard deviation (rad).
     AngleSigma(ScanAngle, f64),
@@ -83,6 +87,14 @@ pub enum TrackerSettingsError {
     Limit(ScanAngle, f64),
 }
 
+/// The first of the values, in the order of the angles, that is not from `least` to `most`.
+#[inline(never)]
+fn outside(values: &[f64], least: f64, most: f64) -> Option<(ScanAngle, f64)> {
+    let pairs = ANGLES.into_iter().zip(values);
+    let mut bad = pairs.filter(|(_, value)| !(least..=most).contains(*value));
+    bad.next().map(|(angle, value)| (angle, *value))
+}
+
 impl TrackerSettings {
     /// Checks every range.
     ///
@@ -90,35 +102,29 @@ impl TrackerSettings {
     /// [`TrackerSettingsError`] names the first setting out of its range, with its value.
     #[inline(never)]
     pub fn check(&self) -> Result<(), TrackerSettingsError> {
-        let within = |value: f64, most: f64| (0.0..=most).contains(&value);
-        for (angle, sigma) in ANGLES.into_iter().zip(self.angle_sigmas_rad) {
-            if !within(sigma, MAX_ANGLE_SIGMA_RAD) {
-                return Err(TrackerSettingsError::AngleSigma(angle, sigma));
+        if let Some((angle, sigma)) = outside(&self.angle_sigmas_rad, 0.0, MAX_ANGLE_SIGMA_RAD) {
+            return Err(TrackerSettingsError::AngleSigma(angle, sigma));
+        }
+        if let Some((angle, walk)) = outside(&self.angle_walks, 0.0, MAX_ANGLE_WALK) {
+            return Err(TrackerSettingsError::AngleWalk(angle, walk));
+        }
+        if let Some((angle, limit)) = outside(&self.limits_rad, LEAST_LIMIT_RAD, FRAC_PI_2) {
+            return Err(TrackerSettingsError::Limit(angle, limit));
+        }
+        // Of two rates the second stands where alpha would.
+        match outside(&self.rate_sigmas, 0.0, MAX_RATE_SIGMA) {
+            Some((ScanAngle::Precession, rate)) => {
+                return Err(TrackerSettingsError::PrecessionRateSigma(rate));
             }
+            Some((_, rate)) => return Err(TrackerSettingsError::SpinRateSigma(rate)),
+            None => {}
         }
-        for (angle, walk) in ANGLES.into_iter().zip(self.angle_walks) {
-            if !within(walk, MAX_ANGLE_WALK) {
-                return Err(TrackerSettingsError::AngleWalk(angle, walk));
+        match outside(&self.rate_walks, 0.0, MAX_RATE_WALK) {
+            Some((ScanAngle::Precession, walk)) => {
+                return Err(TrackerSettingsError::PrecessionRateWalk(walk));
             }
-        }
-        for (angle, limit) in ANGLES.into_iter().zip(self.limits_rad) {
-            if !(limit > 0.0 && limit <= FRAC_PI_2) {
-                return Err(TrackerSettingsError::Limit(angle, limit));
-            }
-        }
-        let [precession, spin] = self.rate_sigmas;
-        let [precession_walk, spin_walk] = self.rate_walks;
-        if !within(precession, MAX_RATE_SIGMA) {
-            return Err(TrackerSettingsError::PrecessionRateSigma(precession));
-        }
-        if !within(spin, MAX_RATE_SIGMA) {
-            return Err(TrackerSettingsError::SpinRateSigma(spin));
-        }
-        if !within(precession_walk, MAX_RATE_WALK) {
-            return Err(TrackerSettingsError::PrecessionRateWalk(precession_walk));
-        }
-        if !within(spin_walk, MAX_RATE_WALK) {
-            return Err(TrackerSettingsError::SpinRateWalk(spin_walk));
+            Some((_, walk)) => return Err(TrackerSettingsError::SpinRateWalk(walk)),
+            None => {}
         }
         if self.max_age <= Duration::ZERO {
             return Err(TrackerSettingsError::MaxAge(self.max_age));

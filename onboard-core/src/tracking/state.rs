@@ -12,7 +12,8 @@
 //! | 224..228 | CRC-32 |
 
 use super::filter::ErrorCovariance;
-use crate::bytes::{f64_at, instant_at, put, u32_at};
+use crate::bytes::{instant_at, put, u32_at};
+use crate::convert::{rolled, uncounted};
 use crate::record::{FRAME_BYTES, Kind, RecordError};
 use crate::scan::{SCAN_BYTES, ScanParameters};
 use crate::time::Instant;
@@ -69,10 +70,10 @@ impl TrackerState {
     ) -> Result<Self, RecordError> {
         KIND.open(record, spacecraft)?;
         let mut upper = [0.0; NUMBERS];
-        let mut offset = 96_usize;
-        for number in &mut upper {
-            *number = f64_at(record, offset).ok_or(RecordError::Damaged)?;
-            offset = offset.wrapping_add(8);
+        let saved = record.get(96..).unwrap_or(&[]).as_chunks().0;
+        for (number, bytes) in upper.iter_mut().zip(saved).take(uncounted(NUMBERS)) {
+            rolled();
+            *number = f64::from_le_bytes(*bytes);
         }
         let fields = || {
             Some(Self {

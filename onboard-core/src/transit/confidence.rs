@@ -25,6 +25,7 @@ use super::{Channel, Transit};
 use crate::ephemeris::EphemerisError;
 use crate::time::{Duration, Instant};
 use crate::uncertainty::ScanCovariance;
+use crate::vector::{cross, dot, minus, negated, over, plus, times, vector};
 use core::f64::consts::{FRAC_1_SQRT_2, PI};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,9 @@ const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
 /// A closest approach this near to an edge is the edge's: the search's last correction is shorter.
 const AT_THE_EDGE: Duration = Duration::from_ns(1_000_000);
+
+/// The spin axis.
+const Z: Vector3<f64> = vector(0.0, 0.0, 1.0);
 
 /// How well a predicted transit is known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -66,6 +70,7 @@ struct Axes {
 }
 
 impl Axes {
+    #[cfg_attr(target_os = "none", inline(never))]
     fn new(motion: &Motion, at: Instant) -> Self {
         let (sin, cos) = motion.scan.phases(at).1.sin_cos();
         // R_z(-b) applied to (-sin alpha, 0, cos alpha) and to y.
@@ -77,9 +82,10 @@ impl Axes {
     }
 
     /// `g . dw/dx` for the three angles, for a gradient g in w: `-g . (k x w) = k . (g x w)`.
+    #[cfg_attr(target_os = "none", inline(never))]
     fn gradient(&self, g: &Vector3<f64>, w: &Vector3<f64>) -> [f64; 3] {
-        let turned = g.cross(w);
-        [dot(&self.precession, &turned), dot(&self.alpha, &turned), turned.z]
+        let turned = cross(*g, *w);
+        [dot(self.precession, turned), dot(self.alpha, turned), turned.z]
     }
 }
 
@@ -121,7 +127,7 @@ impl Channel<'_> {
     }
 
     /// Standard deviation in seconds of an edge; `sense` is the sign of f' there.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn edge(
         &self,
         at: Instant,
@@ -129,20 +135,16 @@ impl Channel<'_> {
         sense: f64,
     ) -> Result<f64, EphemerisError> {
         let sight = self.sight_at(at)?;
-        let gradient = self.reach().crossed(&sight, sense);
-        let rate = libm::fabs(dot(&gradient, &sight.rate));
-        let axes = Axes::new(self.motion(), at);
-        let variance = covariance.along(axes.gradient(&gradient, &sight.direction));
-        Ok(ratio(libm::sqrt(variance), rate))
+        let (gradient, rate) = edge_gradient(self.motion(), self.reach(), at, (&sight, sense));
+        Ok(ratio(libm::sqrt(covariance.along(gradient)), rate))
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn passage(&self, at: Instant, covariance: &ScanCovariance) -> Result<Passage, EphemerisError> {
         let sight = self.sight_at(at)?;
         let (motion, reach) = (self.motion(), self.reach());
         let axes = Axes::new(motion, at);
-        let z = Vector3::new(0.0, 0.0, 1.0);
-        let turning = axes.precession * motion.precession + z * motion.spin;
+        let turning = plus(times(axes.precession, motion.precession), times(Z, motion.spin));
         Ok(Passage {
             sigma_s: closest_sigma_s(&sight, &axes, motion, (reach.nearest(&sight), covariance)),
             ..Passage::new(&axes, &turning, &sight, (reach, covariance))
@@ -153,7 +155,7 @@ impl Channel<'_> {
 impl Search {
     /// By how many seconds an edge moves per radian of error in precession phase, alpha and spin
     /// phase; `sense` is the sign of f' there. Makes an evaluation, which counts as the search's.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn edge_slopes_s(
         &mut self,
         at: Instant,
@@ -162,12 +164,23 @@ impl Search {
     ) -> Result<[f64; 3], EphemerisError> {
         self.count();
         let sight = self.sight_at(at, lookup)?;
-        let gradient = self.reach().crossed(&sight, sense);
-        let rate = libm::fabs(dot(&gradient, &sight.rate));
-        let axes = Axes::new(self.motion(), at);
+        let (gradient, rate) = edge_gradient(self.motion(), self.reach(), at, (&sight, sense));
         let slope = |moved: f64| if libm::fabs(moved) > 0.0 { moved / rate } else { 0.0 };
-        Ok(axes.gradient(&gradient, &sight.direction).map(slope))
+        Ok(gradient.map(slope))
     }
+}
+
+/// How the edge that is crossed in this sense moves in f with each angle, and |f'| there.
+#[cfg_attr(target_os = "none", inline(never))]
+fn edge_gradient(
+    motion: &Motion,
+    reach: &Reach,
+    at: Instant,
+    (sight, sense): (&Sight, f64),
+) -> ([f64; 3], f64) {
+    let gradient = reach.crossed(sight, sense);
+    let rate = libm::fabs(dot(gradient, sight.rate));
+    (Axes::new(motion, at).gradient(&gradient, &sight.direction), rate)
 }
 
 /// What the closest approach says.
@@ -180,25 +193,25 @@ struct Passage {
 
 impl Passage {
     /// The target circles the axis of `turning`; its own motion is negligible against that.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn new(
         axes: &Axes,
         turning: &Vector3<f64>,
         sight: &Sight,
         (reach, covariance): (&Reach, &ScanCovariance),
     ) -> Self {
-        let speed = libm::sqrt(dot(turning, turning));
-        let pole = turning / libm::fmax(speed, f64::MIN_POSITIVE);
+        let speed = libm::sqrt(dot(*turning, *turning));
+        let pole = over(*turning, libm::fmax(speed, f64::MIN_POSITIVE));
         let w = sight.direction;
-        let across = pole.cross(&w);
-        let sin = libm::sqrt(dot(&across, &across));
-        let cos = dot(&pole, &w);
+        let across = cross(pole, w);
+        let sin = libm::sqrt(dot(across, across));
+        let cos = dot(pole, w);
         let theta = libm::atan2(sin, cos);
         // Across the track, away from the pole.
-        let track = w.cross(&sight.rate);
-        let length = libm::sqrt(dot(&track, &track));
-        let sense = libm::copysign(libm::fmax(length, f64::MIN_POSITIVE), -dot(&track, &pole));
-        let away = track / sense;
+        let track = cross(w, sight.rate);
+        let length = libm::sqrt(dot(track, track));
+        let sense = libm::copysign(libm::fmax(length, f64::MIN_POSITIVE), -dot(track, pole));
+        let away = over(track, sense);
         let sigma = libm::sqrt(covariance.along(axes.gradient(&away, &w)));
         let Edges { near, far } = reach.edges_from(&pole);
         let below = |limit: f64| {
@@ -226,7 +239,7 @@ impl Passage {
 /// With `w' = q - Omega x w`, q the target's own motion, and an axis k that turns at k':
 /// `dw'/dx = -k' x w - k x w'` and `w'' = -Omega' x w - Omega x (w' + q)`, q' negligible. Fixed in
 /// space, the precession's and alpha's axes turn at `-spin z x k` in the spin frame.
-#[inline(never)]
+#[cfg_attr(target_os = "none", inline(never))]
 fn closest_sigma_s(
     sight: &Sight,
     axes: &Axes,
@@ -234,27 +247,22 @@ fn closest_sigma_s(
     (e, covariance): (Vector3<f64>, &ScanCovariance),
 ) -> f64 {
     let (w, rate) = (sight.direction, sight.rate);
-    let z = Vector3::new(0.0, 0.0, 1.0);
-    let drift = |k: &Vector3<f64>| z.cross(k) * -motion.spin;
-    let turning = axes.precession * motion.precession + z * motion.spin;
-    let turning_rate = drift(&axes.precession) * motion.precession;
-    let own = rate + turning.cross(&w);
-    let second = -turning_rate.cross(&w) - turning.cross(&(rate + own));
-    let (with_w, with_rate) = (e.cross(&w), e.cross(&rate));
-    let along = |k: &Vector3<f64>, k_rate: &Vector3<f64>| dot(k_rate, &with_w) + dot(k, &with_rate);
+    let drift = |k: Vector3<f64>| times(cross(Z, k), -motion.spin);
+    let turning = plus(times(axes.precession, motion.precession), times(Z, motion.spin));
+    let turning_rate = times(drift(axes.precession), motion.precession);
+    let own = plus(rate, cross(turning, w));
+    let second = minus(cross(negated(turning_rate), w), cross(turning, plus(rate, own)));
+    let (with_w, with_rate) = (cross(e, w), cross(e, rate));
+    let along = |k: Vector3<f64>, k_rate: Vector3<f64>| dot(k_rate, with_w) + dot(k, with_rate);
     let gradient = [
-        along(&axes.precession, &drift(&axes.precession)),
-        along(&axes.alpha, &drift(&axes.alpha)),
-        along(&z, &Vector3::new(0.0, 0.0, 0.0)),
+        along(axes.precession, drift(axes.precession)),
+        along(axes.alpha, drift(axes.alpha)),
+        along(Z, vector(0.0, 0.0, 0.0)),
     ];
-    ratio(libm::sqrt(covariance.along(gradient)), libm::fabs(dot(&e, &second)))
+    ratio(libm::sqrt(covariance.along(gradient)), libm::fabs(dot(e, second)))
 }
 
 /// `a / b`, and 0 for 0 / 0.
 fn ratio(a: f64, b: f64) -> f64 {
     if a > 0.0 { a / b } else { 0.0 }
-}
-
-fn dot(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-    a.x * b.x + a.y * b.y + a.z * b.z
 }

@@ -16,8 +16,12 @@
 
 use super::SEPARATION_TOLERANCE_RAD;
 use super::sight::Sight;
+use crate::convert::uncounted;
+use crate::frame::{Boresight, Spin};
 use crate::rectangle::Rectangle;
+use crate::rotation::Rotation;
 use crate::trigonometry;
+use crate::vector::{cross, dot, minus, plus, times, vector};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 
@@ -59,11 +63,17 @@ pub(super) struct Enlarged {
 }
 
 impl Cap {
-    /// A side of a rectangle, by the pole of its great circle.
+    /// Before a field of view is known.
+    pub(super) const NOTHING: Self =
+        Self { axis: vector(0.0, 0.0, 0.0), sin_beta: 0.0, versine: 0.0, tolerance: 0.0 };
+
+    /// Becomes a side of a rectangle, by the pole of its great circle.
     #[cfg_attr(target_os = "none", inline(never))]
-    pub(super) fn side(axis: Vector3<f64>) -> Self {
-        let sin_beta = libm::hypot(axis.x, axis.y);
-        Self { axis, sin_beta, versine: 1.0, tolerance: tolerance(FRAC_PI_2) }
+    pub(super) fn set_side(&mut self, into_spin: Rotation<Boresight, Spin>, pole: &Vector3<f64>) {
+        self.axis = into_spin.rotate(*pole);
+        self.sin_beta = libm::hypot(self.axis.x, self.axis.y);
+        self.versine = 1.0;
+        self.tolerance = tolerance(FRAC_PI_2);
     }
 
     /// f = cos(separation) - cos r, and its derivative.
@@ -83,6 +93,7 @@ impl Enlarged {
     }
 
     /// f and its derivative.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn depth(&self, sight: &Sight) -> (f64, f64) {
         let (closeness, rate) = self.closeness(sight);
         (self.versine + closeness, rate)
@@ -94,6 +105,7 @@ impl Enlarged {
     /// points, [`Self::ahead`], is convex in h. The point that is nearest now bounds its root from
     /// above; between a point below and one above the root, a chord's root lies below it and a
     /// tangent's above.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn stays_outside(&self, sight: &Sight, curvature: f64, longest: f64) -> f64 {
         let (depth, rate) = self.depth(sight);
         if depth >= 0.0 {
@@ -101,7 +113,7 @@ impl Enlarged {
         }
         let (mut low, mut f_low) = (0.0, depth - self.tolerance);
         let mut high = libm::fmin(crossing_free(depth, rate, curvature, self.tolerance), longest);
-        for _ in 0..CHORDS {
+        for _ in 0..uncounted(CHORDS) {
             let (f_high, slope) = self.ahead(sight, curvature, high);
             if f_high <= 0.0 {
                 return high;
@@ -118,8 +130,9 @@ impl Enlarged {
     }
 
     /// The bound on f after `seconds`, less the tolerance, and its slope.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn ahead(&self, sight: &Sight, curvature: f64, seconds: f64) -> (f64, f64) {
-        let there = sight.direction + sight.rate * seconds;
+        let there = plus(sight.direction, times(sight.rate, seconds));
         let moved = seconds * seconds * squared(&sight.rate);
         let bend = 0.5 * curvature * seconds * seconds - self.tolerance;
         let Some(point) = self.rectangle.nearest(&there) else {
@@ -129,8 +142,8 @@ impl Enlarged {
             return (self.versine + moved / (1.0 + length) + bend, slope);
         };
         // p . u - 1 from the chord: |u|^2 = 1 + |w'|^2 h^2.
-        let off = point - there;
-        let along = point.x * sight.rate.x + point.y * sight.rate.y + point.z * sight.rate.z;
+        let off = minus(point, there);
+        let along = dot(point, sight.rate);
         let value = self.versine - 0.5 * squared(&off) + 0.5 * moved + bend;
         (value, along + curvature * seconds)
     }
@@ -149,22 +162,21 @@ pub(super) fn newton((depth, rate): (f64, f64), sense: f64) -> f64 {
 }
 
 /// Angle between two unit vectors.
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn separation(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
-    let across = a.cross(b);
-    libm::atan2(libm::sqrt(squared(&across)), a.x * b.x + a.y * b.y + a.z * b.z)
+    let across = cross(*a, *b);
+    libm::atan2(libm::sqrt(squared(&across)), dot(*a, *b))
 }
 
 pub(super) fn squared(v: &Vector3<f64>) -> f64 {
-    v.x * v.x + v.y * v.y + v.z * v.z
+    dot(*v, *v)
 }
 
 /// `e . w - 1` from the chord, so that small separations keep their digits, and its derivative.
 #[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn closeness(axis: &Vector3<f64>, sight: &Sight) -> (f64, f64) {
-    let chord = axis - sight.direction;
-    let squared = chord.x * chord.x + chord.y * chord.y + chord.z * chord.z;
-    let rate = chord.x * sight.rate.x + chord.y * sight.rate.y + chord.z * sight.rate.z;
-    (-0.5 * squared, rate)
+    let chord = minus(*axis, sight.direction);
+    (-0.5 * squared(&chord), dot(chord, sight.rate))
 }
 
 /// `1 - cos r`.
@@ -174,6 +186,7 @@ pub(super) fn versine(radius: f64) -> f64 {
 }
 
 /// The separation tolerance expressed in f, with a floor for rounding.
+#[cfg_attr(target_os = "none", inline(never))]
 pub(super) fn tolerance(radius: f64) -> f64 {
     SEPARATION_TOLERANCE_RAD * libm::fabs(trigonometry::sin(radius)) + 2e-15 * versine(radius)
 }
@@ -242,5 +255,101 @@ mod tests {
             let slope = (at(t + h).0 - at(t - h).0) / (2.0 * h);
             assert!((slope - at(t).1).abs() < 1e-6, "{slope} {}", at(t).1);
         }
+    }
+
+    /// A direction and its rate, in the frame of the rectangle's own axes.
+    fn moving(direction: Vector3<f64>, rate: Vector3<f64>) -> Sight {
+        let direction = direction.normalize();
+        Sight {
+            cos_gamma: 0.0,
+            sin_gamma: 0.0,
+            precessed: (0.0, 0.0),
+            cos_delta: 0.0,
+            sin_delta: 0.0,
+            direction,
+            rate: rate - direction * direction.dot(&rate),
+        }
+    }
+
+    /// An enlarged rectangle, and a target that moves somewhere near it.
+    fn beside(index: u64) -> (Enlarged, Sight) {
+        let number = |k: u64| noise(index * 16 + k + 77);
+        let signed = |k: u64| 2.0 * number(k) - 1.0;
+        let sides = [0.1 + 0.4 * number(0), 0.1 + 0.4 * number(1)];
+        let [height, width] = sides.map(|side| libm::sincos(0.5 * side));
+        let margin = 0.02 + 0.5 * number(2) * number(3);
+        let enlarged = Enlarged {
+            rectangle: Rectangle {
+                x: Vector3::x(),
+                y: Vector3::y(),
+                z: Vector3::z(),
+                height,
+                width,
+            },
+            sin_beta: 1.0,
+            versine: versine(margin),
+            tolerance: tolerance(margin),
+        };
+        let direction = Vector3::new(1.5 * signed(4), 1.5 * signed(5), 1.0);
+        let towards = Vector3::new(signed(6), signed(7), signed(8)) - direction * number(9);
+        (enlarged, moving(direction, towards * number(10)))
+    }
+
+    /// Largest `p . u` over a grid of the rectangle's points.
+    fn largest(rectangle: &Rectangle, u: &Vector3<f64>) -> f64 {
+        let [tan_h, tan_w] = [rectangle.height, rectangle.width].map(|(sin, cos)| sin / cos);
+        let shares = || (-30..=30_i8).map(|k| f64::from(k) / 30.0);
+        shares()
+            .flat_map(|x| shares().map(move |y| (x, y)))
+            .map(|(x, y)| Vector3::new(x * tan_h, y * tan_w, 1.0).normalize().dot(u))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    #[test]
+    fn what_lies_ahead_is_the_largest_over_all_points() {
+        let (mut within, curvature) = (0, 0.3);
+        for index in 0..600 {
+            let (enlarged, sight) = beside(index);
+            for seconds in [0.0, 0.2, 0.7, 1.5, 3.0] {
+                let u = sight.direction + sight.rate * seconds;
+                let (value, slope) = enlarged.ahead(&sight, curvature, seconds);
+                let points = largest(&enlarged.rectangle, &u) - 1.0 + enlarged.versine;
+                let expected = points + 0.5 * curvature * seconds * seconds - enlarged.tolerance;
+                // The grid's points stand 0.01 rad apart.
+                let off = value - expected;
+                assert!(off > -1e-12 && off < 5e-5 * u.norm(), "{index} {seconds}: {off:e}");
+                let at = |t: f64| enlarged.ahead(&sight, curvature, t).0;
+                let numeric = (at(seconds + 1e-6) - at(seconds - 1e-6)) / 2e-6;
+                assert!((slope - numeric).abs() < 1e-5, "{index} {seconds}: {slope} {numeric}");
+                within += usize::from(enlarged.rectangle.nearest(&u).is_none());
+            }
+        }
+        assert!(within > 20, "{within}");
+    }
+
+    #[test]
+    // REQ-TRANSIT-2.
+    fn a_certified_step_reaches_nearly_to_the_bound() {
+        let (mut outside, mut tight) = (0, 0);
+        for index in 0..2_000 {
+            let (enlarged, sight) = beside(index);
+            let (curvature, longest) = (0.3, 2.0);
+            let seconds = enlarged.stays_outside(&sight, curvature, longest);
+            if enlarged.depth(&sight).0 >= 0.0 {
+                assert!(seconds <= 0.0);
+                continue;
+            }
+            let at = |t: f64| enlarged.ahead(&sight, curvature, t).0;
+            // The convex bound's root, by bisection.
+            let (mut low, mut high) = (0.0, longest);
+            while at(longest) > 0.0 && high - low > 1e-12 {
+                let middle = 0.5 * (low + high);
+                *(if at(middle) > 0.0 { &mut high } else { &mut low }) = middle;
+            }
+            assert!(seconds <= high + 1e-9, "{index}: {seconds} of {high}");
+            outside += 1;
+            tight += usize::from(seconds > 0.99 * high);
+        }
+        assert!(outside > 1_500 && 100 * tight > 89 * outside, "{tight} of {outside}");
     }
 }

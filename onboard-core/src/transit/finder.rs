@@ -51,7 +51,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
     }
 
     /// A search over the first `count` of these channels; the others are not wanted.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn of_first(channels: &'c mut [Channel<'a>], count: usize) -> Self {
         let mut left = count;
         for channel in channels.iter_mut() {
@@ -73,7 +73,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
     /// and told of again, once all others are done.
     ///
     /// At most [`MAX_EVALUATIONS_PER_STEP`](super::MAX_EVALUATIONS_PER_STEP) evaluations.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     // REQ-TRANSIT-7.
     pub fn step(&mut self) -> Step {
         let Some((frontier, index)) = self.next() else { return Step::Done };
@@ -94,7 +94,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
     ///
     /// Earliest frontier first; at a tie a channel that may still find something goes before one that
     /// waits with a transit, so that equal entries come out in channel order.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     fn next(&self) -> Option<(Instant, usize)> {
         let mut next = None;
         let mut first = (Part::Retired, Instant::from_tai_ns(i64::MAX), true);
@@ -113,7 +113,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
     }
 
     /// Searches this channel no more.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn retire(&mut self, channel: usize) {
         if let Some(channel) = self.channels.get_mut(channel) {
             channel.set_part(Part::Retired);
@@ -122,7 +122,7 @@ impl<'c, 'a> TransitFinder<'c, 'a> {
 
     /// Takes back a transit handed out just before, whose channel could not be evaluated for it: it
     /// is handed out again once all other channels are done.
-    #[inline(never)]
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(crate) fn take_back(&mut self, transit: Transit) {
         if let Some(channel) = self.channels.get_mut(transit.channel) {
             channel.take_back(transit);

@@ -44,6 +44,8 @@ mod confidence;
 mod finder;
 #[cfg(test)]
 mod cases;
+#[cfg(test)]
+mod dense;
 
 pub use channel::Channel;
 pub use confidence::{Confidence, EVALUATIONS_PER_CONFIDENCE};

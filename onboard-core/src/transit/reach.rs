@@ -18,6 +18,7 @@ use crate::field_of_view::{Caps, FieldOfView, FieldShape};
 use crate::rectangle::Rectangle;
 use crate::sun::RelativeBounds;
 use crate::trigonometry;
+use crate::vector::negated;
 use core::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Vector3;
 
@@ -49,7 +50,7 @@ impl Reach {
         let zero = Vector3::new(0.0, 0.0, 0.0);
         Self {
             centre: zero,
-            edge: Edge::Circle([Cap { axis: zero, sin_beta: 0.0, versine: 0.0, tolerance: 0.0 }]),
+            edge: Edge::Circle([Cap::NOTHING]),
             core_rad: 0.0,
             margin_rad: 0.0,
             anti_sun: AntiSunGate::NOTHING,
@@ -68,7 +69,7 @@ impl Reach {
         (self.core_rad, self.margin_rad) = match field.shape() {
             FieldShape::Circle(radius) if margin > 0.0 => (radius, field.reach_rad()),
             FieldShape::Circle(_) => (0.0, field.reach_rad()),
-            FieldShape::Rectangle(..) => (0.0, margin),
+            FieldShape::Rectangle { .. } => (0.0, margin),
         };
         self.set_gates(motion, field.reach_rad());
         self.set_edge(motion, field);
@@ -86,10 +87,10 @@ impl Reach {
     fn set_edge(&mut self, motion: &Motion, field: &FieldOfView) {
         match field.shape() {
             FieldShape::Circle(_) => self.edge = Edge::Circle([self.circle(field.reach_rad())]),
-            FieldShape::Rectangle(..) if field.margin_rad() > 0.0 => {
+            FieldShape::Rectangle { .. } if field.margin_rad() > 0.0 => {
                 self.set_enlarged(motion, field);
             }
-            FieldShape::Rectangle(..) => self.set_sides(motion, field),
+            FieldShape::Rectangle { .. } => self.set_sides(motion, field),
         }
     }
 
@@ -107,7 +108,12 @@ impl Reach {
     fn set_sides(&mut self, motion: &Motion, field: &FieldOfView) {
         let Caps::Rectangle(poles) = field.caps() else { return };
         let into_spin = motion.scan.boresight_in_spin();
-        self.edge = Edge::Rectangle(poles.map(|pole| Cap::side(into_spin.rotate(pole))));
+        self.edge = Edge::Rectangle([Cap::NOTHING; 4]);
+        if let Edge::Rectangle(sides) = &mut self.edge {
+            for (side, pole) in sides.iter_mut().zip(poles) {
+                side.set_side(into_spin, pole);
+            }
+        }
     }
 
     #[cfg_attr(target_os = "none", inline(never))]
@@ -136,6 +142,7 @@ impl Reach {
     }
 
     /// The caps whose intersection the field is; none for an enlarged rectangle.
+    #[cfg_attr(target_os = "none", inline(never))]
     fn caps(&self) -> &[Cap] {
         match &self.edge {
             Edge::Circle(caps) => caps,
@@ -176,7 +183,8 @@ impl Reach {
     pub(super) fn inside(&self, sight: &Sight) -> bool {
         match &self.edge {
             Edge::Enlarged(enlarged) => enlarged.depth(sight).0 >= 0.0,
-            _ => self.caps().iter().all(|cap| cap.depth(sight).0 >= 0.0),
+            Edge::Circle([cap]) => cap.depth(sight).0 >= 0.0,
+            Edge::Rectangle(_) => self.caps().iter().all(|cap| cap.depth(sight).0 >= 0.0),
         }
     }
 
@@ -202,6 +210,7 @@ impl Reach {
     }
 
     /// The gradient of f in w at the edge that is crossed, entered (`sense` 1) or left (-1).
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn crossed(&self, sight: &Sight, sense: f64) -> Vector3<f64> {
         if let Edge::Enlarged(enlarged) = &self.edge {
             return enlarged.rectangle.nearest(&sight.direction).unwrap_or(self.centre);
@@ -220,6 +229,7 @@ impl Reach {
     }
 
     /// The point that separations count from.
+    #[cfg_attr(target_os = "none", inline(never))]
     pub(super) fn nearest(&self, sight: &Sight) -> Vector3<f64> {
         match &self.edge {
             Edge::Enlarged(enlarged) => {
@@ -232,10 +242,11 @@ impl Reach {
     /// Least and largest angle of the field's points from an axis; 0 and pi where it holds the axis
     /// or its opposite.
     pub(super) fn edges_from(&self, axis: &Vector3<f64>) -> Edges {
-        Edges { near: self.angle_to(axis), far: PI - self.angle_to(&-axis) }
+        Edges { near: self.angle_to(axis), far: PI - self.angle_to(&negated(*axis)) }
     }
 
     /// Angle from a direction to the nearest point of the field, 0 inside.
+    #[cfg_attr(target_os = "none", inline(never))]
     fn angle_to(&self, direction: &Vector3<f64>) -> f64 {
         let (point, margin) = match &self.edge {
             Edge::Circle(_) => (Some(self.centre), self.margin_rad),

@@ -84,17 +84,19 @@ pub(crate) struct Search {
 
 impl Search {
     /// A search of nothing: it is over.
-    pub(crate) const NOTHING: Self = Self {
-        motion: Motion::NOTHING,
-        reach: Reach::NOTHING,
-        state: SearchState {
-            at: Instant::from_tai_ns(0),
-            end: Instant::from_tai_ns(0),
-            previous: None,
-            stage: Stage::Done,
-        },
-        evaluations: 0,
-    };
+    pub(crate) const fn nothing() -> Self {
+        Self {
+            motion: Motion::NOTHING,
+            reach: Reach::NOTHING,
+            state: SearchState {
+                at: Instant::from_tai_ns(0),
+                end: Instant::from_tai_ns(0),
+                previous: None,
+                stage: Stage::Done,
+            },
+            evaluations: 0,
+        }
+    }
 
     /// A search from `start` to `end`, both included.
     #[inline]
@@ -104,7 +106,7 @@ impl Search {
         field: &FieldOfView,
         ends: (Instant, Instant),
     ) -> Self {
-        let mut search = Self::NOTHING;
+        let mut search = Self::nothing();
         search.set(scan, lookup, field, ends);
         search
     }
@@ -131,6 +133,7 @@ impl Search {
     }
 
     /// Goes on from a saved state of the same search.
+    #[inline(never)]
     pub(super) const fn resume(&mut self, state: SearchState) {
         self.state = state;
     }
@@ -157,7 +160,7 @@ impl Search {
     }
 
     /// Whether a whole transit waits to be taken.
-    pub(super) const fn has_found(&self) -> bool {
+    pub(crate) const fn has_found(&self) -> bool {
         matches!(self.state.stage, Stage::Found(_))
     }
 
@@ -455,4 +458,110 @@ fn back(at: Instant, seconds: f64, certified: Instant) -> Instant {
     }
     let corrected = at.plus(Duration::from_seconds(-seconds));
     if corrected < certified { certified } else { corrected }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: i64 = 1_000_000;
+
+    fn at(ns: i64) -> Instant {
+        Instant::from_tai_ns(ns)
+    }
+
+    #[test]
+    fn an_offset_is_kept_strictly_inside() {
+        let kept = [-5, 0, 1, 2, 8, 9, 10, 11].map(|offset| within(offset, 10));
+        assert_eq!(kept, [1, 1, 1, 2, 8, 9, 9, 9]);
+    }
+
+    #[test]
+    // REQ-TRANSIT-4.
+    fn a_correction_reaches_back_a_millisecond_and_not_before_what_is_certified() {
+        assert_eq!(back(at(5 * MS), 0.4e-3, at(0)), at(5 * MS - 400_000));
+        assert_eq!(back(at(5 * MS), 1e-3, at(0)), at(4 * MS), "the longest");
+        assert_eq!(back(at(5 * MS), 1.000_001e-3, at(0)), at(5 * MS), "none beyond");
+        assert_eq!(back(at(5 * MS), 0.4e-3, at(5 * MS - 400_000)), at(5 * MS - 400_000));
+        assert_eq!(back(at(5 * MS), 0.4e-3, at(5 * MS - 399_999)), at(5 * MS - 399_999));
+        assert_eq!(earliest(at(5 * MS), at(0)), at(4 * MS));
+        assert_eq!(earliest(at(5 * MS), at(4 * MS)), at(4 * MS));
+        assert_eq!(earliest(at(5 * MS), at(4 * MS + 1)), at(4 * MS + 1));
+    }
+
+    #[test]
+    // REQ-TRANSIT-4.
+    fn the_frontier_is_the_earliest_entry_that_can_still_come() {
+        let seen = Approach { at: at(2 * MS), closeness: -1.0, rate: 0.0 };
+        let frontier = |previous, stage| {
+            let state = SearchState { at: at(9 * MS), end: at(99 * MS), previous, stage };
+            Search { state, ..Search::nothing() }.frontier()
+        };
+        assert_eq!(frontier(None, Stage::Outside), Some(at(9 * MS)));
+        assert_eq!(frontier(Some(seen), Stage::Outside), Some(at(8 * MS)));
+        let near = Approach { at: at(9 * MS - 5), ..seen };
+        assert_eq!(frontier(Some(near), Stage::Outside), Some(at(9 * MS - 5)));
+        let visit = Visit { entry: at(3 * MS), clipped: false, best: seen };
+        assert_eq!(frontier(Some(seen), Stage::Inside(visit)), Some(at(3 * MS)));
+        assert_eq!(frontier(Some(seen), Stage::Done), None);
+    }
+
+    #[test]
+    // REQ-TRANSIT-6.
+    fn only_a_summit_that_may_be_the_best_is_looked_for() {
+        let approach =
+            |ns: i64, closeness: f64, rate: f64| Approach { at: at(ns), closeness, rate };
+        let best = approach(0, -0.1, 0.0);
+        let stage = Stage::Inside(Visit { entry: at(0), clipped: false, best });
+        let mut search = Search::nothing();
+        search.state = SearchState { at: at(0), end: at(99), previous: None, stage };
+        let certificate = Certificate {
+            now: best,
+            inside: true,
+            crossing: None,
+            stays_s: 0.0,
+            latest: at(99),
+            curvature: 0.8,
+        };
+        let rises = |low: Approach, high: Approach| search.rises(&certificate, (&low, &high));
+        // Over a second a curvature of 0.8 lifts by 0.1 above the higher end.
+        let second = 1_000 * MS;
+        assert!(rises(approach(0, -0.3, 1.0), approach(second, -0.199, -1.0)));
+        assert!(!rises(approach(0, -0.3, 1.0), approach(second, -0.201, -1.0)));
+        assert!(rises(approach(0, -0.199, 1.0), approach(second, -0.3, -1.0)));
+        assert!(rises(approach(0, -0.599, 1.0), approach(2 * second, -0.499, -1.0)));
+        assert!(!rises(approach(0, -0.599, 1.0), approach(2 * second, -0.501, -1.0)));
+        // Only where closeness rises first and falls then.
+        for (first, then, expected) in
+            [(1.0, 1.0, false), (-1.0, -1.0, false), (0.0, -1.0, false), (1.0, 0.0, true)]
+        {
+            let own = rises(approach(0, -0.15, first), approach(second, -0.15, then));
+            assert_eq!(own, expected, "{first} {then}");
+        }
+    }
+
+    #[test]
+    // REQ-TRANSIT-3.
+    fn a_step_is_as_long_as_certified_and_at_least_a_nanosecond() {
+        let now = Approach { at: at(100), closeness: -1.0, rate: 0.0 };
+        let moved = |stays_s: f64, latest: i64, end: i64| {
+            let state =
+                SearchState { at: at(100), end: at(end), previous: None, stage: Stage::Outside };
+            let mut search = Search { state, ..Search::nothing() };
+            search.move_on(&Certificate {
+                now,
+                inside: false,
+                crossing: None,
+                stays_s,
+                latest: at(latest),
+                curvature: 0.0,
+            });
+            assert_eq!(search.state.previous, Some(now));
+            search.state.at
+        };
+        assert_eq!(moved(50.9e-9, 1_000, 1_000), at(150));
+        assert_eq!(moved(0.0, 1_000, 1_000), at(101));
+        assert_eq!(moved(1.0, 700, 1_000), at(700));
+        assert_eq!(moved(1.0, 1_000, 600), at(600));
+    }
 }

@@ -1,6 +1,6 @@
 //! The target as the spinning spacecraft sees it: one evaluation of the search.
 
-use crate::direction::{Direction, DirectionState};
+use crate::direction::DirectionState;
 use crate::ephemeris::{BodyTable, EphemerisError};
 use crate::frame::{AntiSun, Ecliptic};
 use crate::scan::ScanStrategy;
@@ -26,7 +26,7 @@ impl Motion {
     pub(super) const NOTHING: Self = Self {
         scan: ScanStrategy::STILL,
         sin_alpha: 0.0,
-        cos_alpha: 1.0,
+        cos_alpha: 0.0,
         precession: 0.0,
         spin: 0.0,
     };
@@ -58,12 +58,12 @@ pub(crate) struct Seen {
 }
 
 impl Seen {
-    /// Before the first evaluation.
+    /// Before the first evaluation: zeros, which take no place among the read-only data.
     pub(crate) const NOTHING: Self = Self {
-        anti_sun: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
-        target: DirectionState { direction: Direction::Z, rate_per_s: [0.0; 3] },
-        sines: [(0.0, 1.0); 2],
-        joint: Instant::from_tai_ns(i64::MAX),
+        anti_sun: DirectionState::NOWHERE,
+        target: DirectionState::NOWHERE,
+        sines: [(0.0, 0.0); 2],
+        joint: Instant::from_tai_ns(0),
     };
 
     /// Of a target in the anti-Sun frame, with the sines and cosines of both phases.
@@ -101,7 +101,8 @@ impl Seen {
         motion: &Motion,
         sun: &SunModel<'_>,
     ) -> Result<(), EphemerisError> {
-        (self.anti_sun, self.joint) = sun.state_until(motion.scan.parameters().start, at)?;
+        let start = motion.scan.parameters().start;
+        self.joint = sun.place_state(start, at, &mut self.anti_sun)?;
         Ok(())
     }
 
@@ -111,10 +112,17 @@ impl Seen {
         at: Instant,
         target: BodyTable<'_>,
     ) -> Result<(), EphemerisError> {
-        let (state, joint) = target.state_until(at)?;
-        self.target = AntiSunAxes::new(&self.anti_sun).view(&state);
+        let mut state = DirectionState::NOWHERE;
+        let joint = target.place_state(at, &mut state)?;
         self.joint = self.joint.min(joint);
+        self.place_target(&state);
         Ok(())
+    }
+
+    /// Apart, so that it does not lie on the stack below the series.
+    #[cfg_attr(target_os = "none", inline(never))]
+    fn place_target(&mut self, state: &DirectionState<Ecliptic>) {
+        self.target = AntiSunAxes::new(&self.anti_sun).in_anti_sun(state);
     }
 
     #[cfg_attr(target_os = "none", inline(never))]
@@ -186,4 +194,20 @@ fn back_about_z(v: Vector3<f64>, sin: f64, cos: f64) -> Vector3<f64> {
 fn back_about_y(v: Vector3<f64>, motion: &Motion) -> Vector3<f64> {
     let (sin, cos) = (motion.sin_alpha, motion.cos_alpha);
     Vector3::new(v.x * cos - v.z * sin, v.y, v.x * sin + v.z * cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    // REQ-TRANSIT-3.
+    fn a_step_ends_just_before_a_joint_and_then_at_it() {
+        let at = Instant::from_tai_ns;
+        let seen = Seen { joint: at(1_000), ..Seen::NOTHING };
+        assert_eq!(seen.latest_step(at(0)), at(999));
+        assert_eq!(seen.latest_step(at(998)), at(999));
+        assert_eq!(seen.latest_step(at(999)), at(1_000));
+        assert_eq!(seen.latest_step(at(1_000)), at(1_001));
+    }
 }

@@ -17,9 +17,10 @@
 
 use super::slot_layout::{
     COMMIT_OFFSET, CONTAINER_OFFSET, ERASED, REVOKED, REVOKED_OFFSET, Slot, Slots, WORD_BYTES,
-    Word, commit_word, floor_word, image, is_erased, word_at,
+    Word, commit_word, floor_word, image, is_erased, reads,
 };
 use super::{Container, Header, UplinkError};
+use crate::convert::{rolled, uncounted};
 
 /// The next thing to do to the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,7 +123,7 @@ impl<'c> Upload<'c> {
                 self.program(bytes, 0)
             }
             UploadStage::Word(at) => {
-                self.read_back(bytes, CONTAINER_OFFSET.wrapping_add(at), self.word(at))?;
+                self.read_back(bytes, CONTAINER_OFFSET.wrapping_add(at), &self.word(at))?;
                 let next = at.wrapping_add(WORD_BYTES);
                 if next < self.candidate.len() {
                     self.program(bytes, next)
@@ -131,7 +132,7 @@ impl<'c> Upload<'c> {
                 }
             }
             UploadStage::Commit => {
-                self.read_back(bytes, COMMIT_OFFSET, self.commit_word())?;
+                self.read_back(bytes, COMMIT_OFFSET, &self.commit_word())?;
                 self.stage = UploadStage::Over;
                 Ok(None)
             }
@@ -140,10 +141,13 @@ impl<'c> Upload<'c> {
     }
 
     /// The container's word at this offset of it, filled up with ones.
+    #[inline(never)]
     fn word(&self, at: usize) -> Word {
-        let mut word = ERASED;
-        for (to, from) in word.iter_mut().zip(self.candidate.get(at..).unwrap_or(&[])) {
-            *to = *from;
+        let mut bytes = self.candidate.get(at..).unwrap_or(&[]).iter();
+        let mut word = [0; WORD_BYTES];
+        for byte in word.iter_mut().take(uncounted(WORD_BYTES)) {
+            rolled();
+            *byte = bytes.next().copied().unwrap_or(0xff);
         }
         word
     }
@@ -153,6 +157,7 @@ impl<'c> Upload<'c> {
         commit_word(self.header.sequence, length, self.set_digest)
     }
 
+    #[inline(never)]
     fn program(&mut self, bytes: &[u8], at: usize) -> Result<Option<FlashOperation>, FlashError> {
         let offset = CONTAINER_OFFSET.wrapping_add(at);
         if !is_erased(bytes, offset) {
@@ -176,8 +181,8 @@ impl<'c> Upload<'c> {
         Ok(Some(FlashOperation::Program { slot: self.slot, offset: COMMIT_OFFSET, word }))
     }
 
-    fn read_back(&self, bytes: &[u8], offset: usize, word: Word) -> Result<(), FlashError> {
-        if word_at(bytes, offset) == Some(word) {
+    fn read_back(&self, bytes: &[u8], offset: usize, word: &Word) -> Result<(), FlashError> {
+        if reads(bytes, offset, word) {
             Ok(())
         } else {
             Err(FlashError::NotProgrammed(self.slot, offset))
@@ -236,10 +241,10 @@ impl Revocation {
     fn advance(&mut self, slots: &Slots<'_>) -> Result<Option<FlashOperation>, FlashError> {
         let kept = self.slot.other();
         let floor = floor_word(self.sequence);
-        let floor_is = |word| word_at(slots.bytes(kept), self.floor_offset) == Some(word);
+        let floor_is = |word| reads(slots.bytes(kept), self.floor_offset, word);
         match self.stage {
             RevocationStage::Floor => {
-                if !floor_is(ERASED) {
+                if !floor_is(&ERASED) {
                     return Err(FlashError::NotErased(kept, self.floor_offset));
                 }
                 self.stage = RevocationStage::Revoked;
@@ -247,7 +252,7 @@ impl Revocation {
                 Ok(Some(FlashOperation::Program { slot: kept, offset, word: floor }))
             }
             RevocationStage::Revoked => {
-                if !floor_is(floor) {
+                if !floor_is(&floor) {
                     return Err(FlashError::NotProgrammed(kept, self.floor_offset));
                 }
                 if !is_erased(slots.bytes(self.slot), REVOKED_OFFSET) {
@@ -258,7 +263,7 @@ impl Revocation {
                 Ok(Some(FlashOperation::Program { slot, offset, word: REVOKED }))
             }
             RevocationStage::ReadBack => {
-                if word_at(slots.bytes(self.slot), REVOKED_OFFSET) != Some(REVOKED) {
+                if !reads(slots.bytes(self.slot), REVOKED_OFFSET, &REVOKED) {
                     return Err(FlashError::NotProgrammed(self.slot, REVOKED_OFFSET));
                 }
                 self.stage = RevocationStage::Over;

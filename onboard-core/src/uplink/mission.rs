@@ -51,6 +51,7 @@ const AVOIDANCE_BYTES: usize = 16;
 
 /// Why a mission section is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum MissionError {
     /// Fewer or more bytes than the numbers of records say.
     WrongLength,
@@ -171,7 +172,7 @@ impl<'a> MissionTable<'a> {
         let mut index = 0_u16;
         for record in self.telescopes {
             let telescope = read_telescope(record, index)?;
-            telescope.field_of_view().map_err(MissionError::FieldOfView)?;
+            telescope.field.check().map_err(MissionError::FieldOfView)?;
             index = index.wrapping_add(1);
         }
         let mut index = 0_u16;
@@ -185,11 +186,8 @@ impl<'a> MissionTable<'a> {
             index = index.wrapping_add(1);
         }
         if !self.detectors.is_empty() {
-            FieldOfView::circle(
-                Rotation::<Detector, Boresight>::IDENTITY,
-                self.detector_radius_rad(),
-            )
-            .map_err(MissionError::FieldOfView)?;
+            let field = FieldShape::Circle(self.detector_radius_rad());
+            field.check().map_err(MissionError::FieldOfView)?;
         }
         let mut index = 0_u16;
         for record in self.avoidance {
@@ -205,6 +203,7 @@ impl<'a> MissionTable<'a> {
 
     /// The scanning strategy, made from the bytes at each call: keep it.
     #[must_use]
+    #[inline(never)]
     pub fn strategy(&self) -> ScanStrategy {
         // The bytes are there and were checked; the still strategy stands for what cannot be.
         ScanStrategy::of_checked(self.parameters().unwrap_or(ScanParameters::STILL))
@@ -245,6 +244,7 @@ impl<'a> MissionTable<'a> {
 
     /// The telescope at `index` in the mission's order.
     #[must_use]
+    #[inline(never)]
     pub fn telescope(&self, index: u16) -> Option<TelescopeRecord> {
         read_telescope(self.telescopes.get(usize::from(index))?, index).ok()
     }
@@ -254,18 +254,25 @@ impl<'a> MissionTable<'a> {
         self.detectors.iter().filter_map(|record| read_detector(record, 0).ok())
     }
 
+    /// How many detectors belong to telescopes before this number.
+    #[inline(never)]
+    fn detectors_before(&self, telescope: u32) -> usize {
+        self.detectors
+            .partition_point(|record| u32::from(u16_at(record, 32).unwrap_or(u16::MAX)) < telescope)
+    }
+
     /// What a telescope is calibrated through: the `index`-th of its listed detectors' circles, or
     /// its field of view alone when none is listed.
     #[must_use]
     #[inline(never)]
     pub fn calibration_field(&self, telescope: u16, index: u16) -> Option<FieldOfView> {
-        let number = |record: &[u8; DETECTOR_BYTES]| u16_at(record, 32).unwrap_or(u16::MAX);
-        let first = self.detectors.partition_point(|record| number(record) < telescope);
-        let last = self.detectors.partition_point(|record| number(record) <= telescope);
-        let own = self.detectors.get(first..last)?;
+        let telescope_number = u32::from(telescope);
+        let first = self.detectors_before(telescope_number);
+        let own =
+            self.detectors.get(first..self.detectors_before(telescope_number.wrapping_add(1)))?;
         if own.is_empty() {
             return match index {
-                0 => self.telescope(telescope)?.field_of_view().ok(),
+                0 => self.telescope(telescope).as_ref()?.field_of_view().ok(),
                 _ => None,
             };
         }
@@ -280,6 +287,7 @@ impl<'a> MissionTable<'a> {
 
     /// The avoidance limit at `index`.
     #[must_use]
+    #[inline(never)]
     pub fn avoidance_limit(&self, index: u16) -> Option<AvoidanceRecord> {
         read_avoidance(self.avoidance.get(usize::from(index))?)
     }
@@ -317,7 +325,7 @@ impl TelescopeRecord {
         }
         let (first, second, shape) = match self.field {
             FieldShape::Circle(radius) => (radius, 0.0, 1_u16),
-            FieldShape::Rectangle(width, height) => (width, height, 2_u16),
+            FieldShape::Rectangle { width_rad, height_rad } => (width_rad, height_rad, 2_u16),
         };
         put(&mut bytes, 56, first.to_le_bytes());
         put(&mut bytes, 64, second.to_le_bytes());
@@ -411,7 +419,7 @@ fn read_telescope(
     let (first, second) = (number(56)?, number(64)?);
     let shape_record = match u16_at(record, 72) {
         Some(1) if second.to_bits() == 0 => FieldShape::Circle(first),
-        Some(2) => FieldShape::Rectangle(first, second),
+        Some(2) => FieldShape::Rectangle { width_rad: first, height_rad: second },
         _ => return Err(bad),
     };
     let turning = plate.rate.bits() != 0;
@@ -450,7 +458,7 @@ mod tests {
         let mut bytes = MissionTable::fixed_to_le_bytes(&parameters, sun, counts, 0.01).to_vec();
         for (hwp, field) in [
             (Some(rotor(1 << 95, 6)), FieldShape::Circle(0.2)),
-            (None, FieldShape::Rectangle(0.3, 0.1)),
+            (None, FieldShape::Rectangle { width_rad: 0.3, height_rad: 0.1 }),
         ] {
             let telescope = TelescopeRecord { rotation: Rotation::about_z(0.5), hwp, field };
             bytes.extend(telescope.to_le_bytes());
@@ -472,7 +480,7 @@ mod tests {
         assert_eq!(telescopes.len(), 2);
         assert_eq!(telescopes[0].field, FieldShape::Circle(0.2));
         assert!(telescopes[0].hwp.is_some() && telescopes[1].hwp.is_none());
-        assert_eq!(telescopes[1].field, FieldShape::Rectangle(0.3, 0.1));
+        assert_eq!(telescopes[1].field, FieldShape::Rectangle { width_rad: 0.3, height_rad: 0.1 });
         assert_eq!(mission.detectors().count(), 3);
         let limits: Vec<_> = mission.avoidance().collect();
         assert_eq!(limits, [AvoidanceRecord { body: 399, angle_rad: 0.5 }]);
@@ -522,5 +530,24 @@ mod tests {
             with(112 + 56, &0.0_f64.to_le_bytes()),
             MissionError::FieldOfView(FieldOfViewError::Radius(0.0))
         );
+    }
+
+    #[test]
+    fn the_suns_table_and_no_detector_ask_for_no_number() {
+        let (parameters, _) = section();
+        let parse = |counts: Counts, radius_rad: f64, records: &[u8]| {
+            let fixed =
+                MissionTable::fixed_to_le_bytes(&parameters, SunRecord::Table, counts, radius_rad);
+            MissionTable::parse(&[&fixed[..], records].concat()).map(|_| ())
+        };
+        assert_eq!(parse(Counts::default(), 0.0, &[]), Ok(()));
+        let field = FieldShape::Circle(0.2);
+        let telescope = TelescopeRecord { rotation: Rotation::about_z(0.5), hwp: None, field };
+        let detector = DetectorRecord { rotation: Rotation::about_x(0.1), telescope: 0 };
+        let records = [&telescope.to_le_bytes()[..], &detector.to_le_bytes()].concat();
+        let counts = Counts { telescopes: 1, detectors: 1, avoidance: 0 };
+        assert_eq!(parse(counts, 0.01, &records), Ok(()));
+        let radius = MissionError::FieldOfView(FieldOfViewError::Radius(0.0));
+        assert_eq!(parse(counts, 0.0, &records), Err(radius));
     }
 }

@@ -54,7 +54,7 @@ pub use mission::{
 pub use mission_change::{MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder};
 pub use plan::{PlanError, PlanTable, SESSION_BYTES, SessionRecord};
 pub use rollback::{ROLLBACK_BYTES, RollbackError, RollbackOrder};
-pub use scrub::{SCRUB_BYTES, Scrub, ScrubStep};
+pub use scrub::{SCRUB_BYTES, Scrub, ScrubProgress, ScrubStep};
 pub use sequence::{MAX_SEQUENCE_STEP, SequenceError, check_sequence};
 pub use slot_layout::{
     COMMIT_OFFSET, CONTAINER_OFFSET, ERASED, FLOOR_OFFSET, FLOOR_WORDS, REVOKED_OFFSET, Slot,
@@ -64,8 +64,8 @@ pub use slots::{Active, NoTables, RollbackRefusal, SlotState, UploadRefusal, com
 pub use tables::{TableError, Tables};
 
 use crate::bytes::{field, i64_at, put, span, u16_at, u32_at, u64_at};
+use crate::crc::{CRC_32, CRC_64, crc_32, crc_64};
 use crate::time::Instant;
-use crc::{CRC_32_ISO_HDLC, CRC_64_XZ, Crc, Digest, NoTable};
 
 /// First bytes of every container.
 pub const MAGIC: [u8; 8] = *b"GYRFALCN";
@@ -79,10 +79,6 @@ pub const ENTRY_BYTES: usize = 16;
 pub const MAX_SECTIONS: u16 = 8;
 /// Bytes of the set's digest before each section's contents.
 pub const DIGEST_BYTES: usize = 8;
-
-static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-/// Without a look-up table: eight bytes per section do not deserve one.
-static SET_CHECKSUM: Crc<u64, NoTable> = Crc::<u64, NoTable>::new(&CRC_64_XZ);
 
 /// What a section holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,6 +105,7 @@ impl SectionKind {
 
 /// Why a container is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum UplinkError {
     /// Shorter than a header, or than the length in it (the bytes needed).
     Truncated(u32),
@@ -158,13 +155,10 @@ pub struct Container<'a> {
 }
 
 /// The digest of a set's contents, section after section in the directory's order.
-#[derive(Clone)]
-pub struct SetDigest(Digest<'static, u64, NoTable>);
-
-impl core::fmt::Debug for SetDigest {
-    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        formatter.write_str("SetDigest")
-    }
+#[derive(Debug, Clone)]
+pub struct SetDigest {
+    /// The CRC-64 so far, not inverted yet.
+    register: u64,
 }
 
 impl Default for SetDigest {
@@ -176,30 +170,30 @@ impl Default for SetDigest {
 impl SetDigest {
     /// The digest of no section yet.
     #[must_use]
-    pub fn new() -> Self {
-        Self(SET_CHECKSUM.digest())
+    pub const fn new() -> Self {
+        Self { register: CRC_64 }
     }
 
     /// Takes in the next section's contents.
     #[inline(never)]
     pub fn update(&mut self, contents: &[u8]) {
         let length = u32::try_from(contents.len()).unwrap_or(u32::MAX);
-        self.0.update(&length.to_le_bytes());
-        self.0.update(&checksum(contents).to_le_bytes());
+        // The length, then the CRC-32.
+        let pair = u64::from(length) | u64::from(checksum(contents)) << 32_u32;
+        self.register = crc_64(self.register, pair.to_le_bytes());
     }
 
     /// The digest of all contents taken in.
     #[must_use]
-    pub fn value(self) -> u64 {
-        self.0.finalize()
+    pub const fn value(self) -> u64 {
+        !self.register
     }
 }
 
 /// CRC-32 of bytes, as the container uses it.
 #[must_use]
-#[inline(never)]
 pub fn checksum(bytes: &[u8]) -> u32 {
-    CHECKSUM.checksum(bytes)
+    !crc_32(CRC_32, bytes)
 }
 
 impl Header {
@@ -361,6 +355,7 @@ impl<'a> Container<'a> {
     ///
     /// # Errors
     /// [`UplinkError::NoSuchSection`].
+    #[inline(never)]
     pub fn section(&self, kind: SectionKind) -> Result<&'a [u8], UplinkError> {
         self.directory
             .iter()
@@ -471,5 +466,81 @@ pub(crate) mod tests {
         let mut bytes = container();
         bytes[8] = 2;
         assert_eq!(Container::parse(&bytes).unwrap_err(), UplinkError::Version(2));
+    }
+
+    /// With directory and header changed in place, and their CRCs made right.
+    fn with(change: impl FnOnce(&mut Vec<u8>)) -> Result<(), UplinkError> {
+        let mut bytes = container();
+        change(&mut bytes);
+        let directory = checksum(&bytes[64..96]);
+        bytes[20..24].copy_from_slice(&directory.to_le_bytes());
+        let header = checksum(&bytes[..60]);
+        bytes[60..64].copy_from_slice(&header.to_le_bytes());
+        Container::parse(&bytes).map(|_| ())
+    }
+
+    #[test]
+    // REQ-CONT-1.
+    fn a_cut_is_told_from_what_is_too_long() {
+        let good = container();
+        let whole = u32::try_from(good.len()).unwrap();
+        for length in 0..good.len() {
+            let least = if length < HEADER_BYTES { 64 } else { whole };
+            assert_eq!(
+                Container::parse(&good[..length]).err(),
+                Some(UplinkError::Truncated(least))
+            );
+        }
+    }
+
+    #[test]
+    // REQ-CONT-1.
+    fn sections_fill_the_container_one_after_the_other_each_once() {
+        let bad = Err(UplinkError::BadDirectory);
+        assert_eq!(with(|_| {}), Ok(()));
+        // Offsets of the two sections: 96 and 107; the second's CRC made right for its place.
+        let moved = |bytes: &mut Vec<u8>| {
+            bytes[84..88].copy_from_slice(&106_u32.to_le_bytes());
+            let crc = checksum(&bytes[106..116]);
+            bytes[92..96].copy_from_slice(&crc.to_le_bytes());
+        };
+        assert_eq!(with(moved), bad, "overlapping sections");
+        let longer = |bytes: &mut Vec<u8>| {
+            bytes.push(0);
+            let length = u32::try_from(bytes.len()).unwrap();
+            bytes[12..16].copy_from_slice(&length.to_le_bytes());
+        };
+        assert_eq!(with(longer), bad, "bytes that belong to no section");
+        assert_eq!(with(|bytes| bytes[96 + 9] ^= 1), Err(UplinkError::SectionCrc(3)));
+        let twice = container_of(&HEADER, &[(SectionKind::Plan, &[1]), (SectionKind::Plan, &[2])]);
+        assert_eq!(Container::parse(&twice).map(|_| ()), bad);
+        let ended = Header { valid_until: HEADER.valid_from, ..HEADER };
+        let instant = container_of(&ended, &[(SectionKind::Plan, &[1])]);
+        assert!(Container::parse(&instant).is_ok(), "valid at one instant");
+        let before = HEADER.valid_from.plus(crate::time::Duration::from_ns(-1));
+        let never = Header { valid_until: before, ..HEADER };
+        let never = container_of(&never, &[(SectionKind::Plan, &[1])]);
+        assert_eq!(Container::parse(&never).map(|_| ()), bad);
+    }
+
+    #[test]
+    // REQ-CONT-1.
+    fn there_are_no_more_sections_than_stated() {
+        let parse = |count: u16| {
+            let contents: Vec<(SectionKind, &[u8])> =
+                (0..count).map(|_| (SectionKind::Plan, &[1_u8][..])).collect();
+            let mut bytes = container_of(&HEADER, &contents);
+            // Each of a kind of its own.
+            for index in 0..usize::from(count) {
+                bytes[64 + 16 * index] = u8::try_from(index + 1).unwrap();
+            }
+            let directory = checksum(&bytes[64..64 + 16 * usize::from(count)]);
+            bytes[20..24].copy_from_slice(&directory.to_le_bytes());
+            let header = checksum(&bytes[..60]);
+            bytes[60..64].copy_from_slice(&header.to_le_bytes());
+            Container::parse(&bytes).map(|_| ())
+        };
+        assert_eq!(parse(MAX_SECTIONS), Ok(()));
+        assert_eq!(parse(MAX_SECTIONS + 1), Err(UplinkError::BadDirectory));
     }
 }

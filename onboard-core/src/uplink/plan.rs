@@ -21,6 +21,7 @@ pub const SESSION_BYTES: usize = 48;
 
 /// Why a plan section is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PlanError {
     /// Fewer or more bytes than the number of sessions says.
     WrongLength,
@@ -135,6 +136,7 @@ impl<'a> PlanTable<'a> {
 
     /// The index of the first session that starts at or after `at`.
     #[must_use]
+    #[inline(never)]
     pub fn first_from(&self, at: Instant) -> u32 {
         let before = |record: &[u8; SESSION_BYTES]| {
             i64_at(record, 0).is_some_and(|start| start < at.tai_ns())
@@ -200,5 +202,34 @@ mod tests {
         assert_eq!(PlanTable::parse(&bytes).unwrap_err(), PlanError::BadSession(0));
         let bytes = section(&[session(0)]);
         assert_eq!(PlanTable::parse(&bytes[..50]).unwrap_err(), PlanError::WrongLength);
+    }
+
+    #[test]
+    fn each_instant_of_a_session_keeps_its_order() {
+        let at = |ns: i64| Instant::from_tai_ns(ns);
+        let parse = |session: SessionRecord| PlanTable::parse(&section(&[session])).map(|_| ());
+        let bad = Err(PlanError::BadSession(0));
+        assert_eq!(parse(SessionRecord { first_entry: at(-1), ..session(0) }), bad);
+        assert_eq!(parse(SessionRecord { last_exit: at(9), ..session(0) }), bad);
+        assert_eq!(parse(SessionRecord { last_exit: at(41), ..session(0) }), bad);
+        let instant =
+            SessionRecord { first_entry: at(0), last_exit: at(0), end: at(0), ..session(0) };
+        assert_eq!(parse(instant), Ok(()));
+    }
+
+    #[test]
+    fn the_count_is_that_of_the_sessions() {
+        let good = section(&[session(0), session(5)]);
+        let with = |change: fn(&mut Vec<u8>)| {
+            let mut bytes = good.clone();
+            change(&mut bytes);
+            PlanTable::parse(&bytes).map(|_| ())
+        };
+        assert_eq!(with(|_| {}), Ok(()));
+        let wrong = Err(PlanError::WrongLength);
+        assert_eq!(with(|bytes| bytes[0] = 1), wrong);
+        assert_eq!(with(|bytes| bytes[4] = 1), wrong);
+        assert_eq!(with(|bytes| bytes.push(0)), wrong);
+        assert_eq!(with(|bytes| bytes[8 + 44] = 1), Err(PlanError::BadSession(0)));
     }
 }

@@ -110,7 +110,7 @@ impl Flash {
         }
     }
 
-    fn view(&self) -> Slots<'_> {
+    fn slots(&self) -> Slots<'_> {
         Slots { a: &self.slots[0], b: &self.slots[1] }
     }
 
@@ -194,7 +194,7 @@ impl Flash {
     }
 
     fn active(&self) -> Option<u32> {
-        self.view().active().ok().map(|active| active.tables.header().sequence)
+        self.slots().active().ok().map(|active| active.tables.header().sequence)
     }
 }
 
@@ -220,7 +220,7 @@ impl Flight {
 
     /// The order from the active container to the one in the other slot.
     fn order(&self) -> Option<RollbackOrder> {
-        let slots = self.flash.view();
+        let slots = self.flash.slots();
         let active = slots.active().ok()?;
         let kept = slots.tables(active.slot.other()).ok()?;
         Some(RollbackOrder {
@@ -258,25 +258,25 @@ impl Flight {
 
     fn upload(&mut self, number: u32) -> Result<(), Cut> {
         let candidate = uplink(number, VALID);
-        let slots = self.flash.view();
+        let slots = self.flash.slots();
         let mut upload = slots.admit(&candidate, NOW).expect("a new number");
         if let Ok(active) = slots.active() {
             assert_ne!(upload.slot(), active.slot, "over the active tables");
         }
-        while let Some(operation) = upload.next(&self.flash.view()).expect("sound flash") {
+        while let Some(operation) = upload.next(&self.flash.slots()).expect("sound flash") {
             self.flash.carry_out(operation)?;
         }
         Ok(())
     }
 
     fn roll_back(&mut self, order: &RollbackOrder) -> Result<(), Cut> {
-        let mut revocation = match self.flash.view().roll_back(order, NOW) {
+        let mut revocation = match self.flash.slots().roll_back(order, NOW) {
             Ok(revocation) => revocation,
             Err(RollbackRefusal::FloorsUsed) => return Err(Cut),
             Err(other) => panic!("{other:?}"),
         };
         // A word whose programming was cut once before may not take the next one either.
-        while let Some(operation) = revocation.next(&self.flash.view()).map_err(|_| Cut)? {
+        while let Some(operation) = revocation.next(&self.flash.slots()).map_err(|_| Cut)? {
             self.flash.carry_out(operation)?;
         }
         Ok(())
@@ -284,7 +284,7 @@ impl Flight {
 
     /// Nothing revoked is active or comes in again.
     fn check(&self) {
-        let slots = self.flash.view();
+        let slots = self.flash.slots();
         let active = self.flash.active();
         for number in &self.revoked {
             assert_ne!(active, Some(*number), "revoked and active");
@@ -430,23 +430,23 @@ fn flash_that_fails_ends_the_plan() {
     assert_eq!(upload.next(&slots), Err(FlashError::NotErased(Slot::A, 32)));
     assert_eq!(upload.next(&slots), Ok(None), "nothing follows");
     // A word takes nothing.
-    let slots = flash.view();
+    let slots = flash.slots();
     let mut upload = slots.admit(&candidate, NOW).unwrap();
     assert!(upload.next(&slots).is_ok() && upload.next(&slots).is_ok());
     let failed = FlashError::NotProgrammed(Slot::A, CONTAINER_OFFSET);
     assert_eq!(upload.next(&slots), Err(failed));
     // What was written changes before it is committed: a flipped bit, another container's header.
     let mut flash = Flash::new(32, 0);
-    let mut upload = flash.view().admit(&candidate, NOW).unwrap();
+    let mut upload = flash.slots().admit(&candidate, NOW).unwrap();
     for _ in 0..=candidate.len().div_ceil(32) {
-        let operation = upload.next(&flash.view()).unwrap().unwrap();
+        let operation = upload.next(&flash.slots()).unwrap().unwrap();
         flash.carry_out(operation).unwrap();
     }
     let slot = &mut flash.slots[0][CONTAINER_OFFSET..];
     slot[100] ^= 1;
-    assert!(matches!(upload.clone().next(&flash.view()), Err(FlashError::Unsound(_))));
+    assert!(matches!(upload.clone().next(&flash.slots()), Err(FlashError::Unsound(_))));
     flash.slots[0][CONTAINER_OFFSET..][..candidate.len()].copy_from_slice(&uplink(2, VALID));
-    assert_eq!(upload.clone().next(&flash.view()), Err(FlashError::Changed));
+    assert_eq!(upload.clone().next(&flash.slots()), Err(FlashError::Changed));
     flash.slots[0][CONTAINER_OFFSET..][..candidate.len()].copy_from_slice(&candidate);
-    assert!(matches!(upload.next(&flash.view()), Ok(Some(FlashOperation::Program { .. }))));
+    assert!(matches!(upload.next(&flash.slots()), Ok(Some(FlashOperation::Program { .. }))));
 }

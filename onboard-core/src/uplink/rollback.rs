@@ -25,6 +25,7 @@ const MAGIC: [u8; 8] = *b"GYRBACK\0";
 
 /// Why the bytes are no order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RollbackError {
     /// The first bytes are not the magic.
     NotAnOrder,

@@ -12,9 +12,9 @@
 //! rounds. Nothing is repaired: a damaged container is no longer to be used ([`ScrubStep::Damaged`]);
 //! ask [`super::Slots::active`] which slot is.
 
-use super::{CHECKSUM, Container, ENTRY_BYTES, HEADER_BYTES, Tables, UplinkError, read_entry};
+use super::{Container, ENTRY_BYTES, HEADER_BYTES, Tables, UplinkError, read_entry};
 use crate::bytes::{span, u32_at};
-use crc::Digest;
+use crate::crc::{CRC_32, crc_32};
 
 /// Most bytes that a step looks at.
 pub const SCRUB_BYTES: u32 = 256;
@@ -29,6 +29,15 @@ pub enum ScrubStep {
     RoundOver,
     /// The container is damaged: hand no tables to the sequencer, and ask the slots anew.
     Damaged(UplinkError),
+}
+
+/// How far a round has come, in bytes of the container.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ScrubProgress {
+    /// The next byte.
+    pub at: u32,
+    /// Bytes of the container.
+    pub length: u32,
 }
 
 /// A region under one CRC.
@@ -52,7 +61,8 @@ pub struct Scrub<'a> {
     region: u32,
     /// The next byte.
     at: u32,
-    digest: Digest<'static, u32>,
+    /// The CRC-32 of the region so far, not inverted yet.
+    register: u32,
 }
 
 impl core::fmt::Debug for Scrub<'_> {
@@ -76,7 +86,7 @@ impl<'a> Scrub<'a> {
             directory_crc: u32_at(bytes, 20).unwrap_or(0),
             region: 0,
             at: 0,
-            digest: CHECKSUM.digest(),
+            register: CRC_32,
         }
     }
 
@@ -86,6 +96,12 @@ impl<'a> Scrub<'a> {
         // A round ends each region's last step early, and there are at most sections + 2 of them.
         let whole = self.length.div_ceil(SCRUB_BYTES);
         whole.saturating_add(self.sections).saturating_add(2).saturating_mul(2)
+    }
+
+    /// How far this round has come.
+    #[must_use]
+    pub const fn progress(&self) -> ScrubProgress {
+        ScrubProgress { at: self.at, length: self.length }
     }
 
     /// Looks at the next bytes; after the last region the next round begins.
@@ -98,15 +114,14 @@ impl<'a> Scrub<'a> {
         };
         let until = self.at.saturating_add(SCRUB_BYTES).min(region.end);
         match span(self.bytes, self.at, until.saturating_sub(self.at)) {
-            Some(piece) => self.digest.update(piece),
+            Some(piece) => self.register = crc_32(self.register, piece),
             None => return ScrubStep::Damaged(UplinkError::BadDirectory),
         }
         self.at = until;
         if until < region.end {
             return ScrubStep::GoesOn;
         }
-        let found = self.digest.clone().finalize();
-        if found != region.crc || !self.is_linked() {
+        if !self.register != region.crc || !self.is_linked() {
             let damage = self.damage();
             self.begin(0);
             return ScrubStep::Damaged(damage);
@@ -116,13 +131,15 @@ impl<'a> Scrub<'a> {
         if last { ScrubStep::RoundOver } else { ScrubStep::GoesOn }
     }
 
+    #[inline(never)]
     fn begin(&mut self, region: u32) {
         self.region = region;
         self.at = self.current().map_or(0, |region| region.start);
-        self.digest = CHECKSUM.digest();
+        self.register = CRC_32;
     }
 
     /// The region under way, from the directory for a section.
+    #[inline(never)]
     fn current(&self) -> Option<Region> {
         match self.region {
             0 => Some(Region { start: 0, end: 60, crc: self.header_crc }),
@@ -165,7 +182,7 @@ impl<'a> Scrub<'a> {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::uplink::slot_rules::uplink;
+    use crate::uplink::slot_rules::{uplink, uplink_for};
     use std::vec::Vec;
 
     /// Steps of a copy of the scrub, gone on in damaged bytes, until it says so.
@@ -245,6 +262,40 @@ mod tests {
                 region.end - before
             };
             assert!(passed <= SCRUB_BYTES);
+        }
+    }
+
+    #[test]
+    // REQ-SCRUB-1.
+    fn a_section_longer_than_a_step_is_sound_in_several() {
+        let good = uplink_for(1, 4, (0, 900), 25);
+        let mut scrub = Scrub::new(&Tables::load(&good).unwrap());
+        assert_eq!(std::format!("{scrub:?}"), std::format!("Scrub of {} bytes at 0", good.len()));
+        let steps: Vec<ScrubStep> = (0..12).map(|_| scrub.step()).collect();
+        // Header, directory, ephemeris of 760 bytes in three, mission.
+        for round in steps.chunks(6) {
+            assert_eq!(round[..5], [ScrubStep::GoesOn; 5]);
+            assert_eq!(round[5], ScrubStep::RoundOver);
+        }
+    }
+
+    #[test]
+    // REQ-SCRUB-1.
+    fn a_section_that_has_lost_its_length_is_damage() {
+        let good = uplink(4, (0, 900));
+        let mut scrub = Scrub::new(&Tables::load(&good).unwrap());
+        assert_eq!([scrub.step(), scrub.step()], [ScrubStep::GoesOn; 2]);
+        // After the directory's turn: the first section's length, 0 or beyond the container.
+        let length = 64 + 8;
+        assert!(u32_at(&good, length).unwrap() > 100);
+        for wrong in [[0; 4], [0xff, 0xff, 0, 0]] {
+            let mut bad = good.clone();
+            bad[length..length + 4].copy_from_slice(&wrong);
+            let mut scrub = Scrub { bytes: &bad, ..scrub.clone() };
+            assert_eq!(scrub.step(), ScrubStep::Damaged(UplinkError::BadDirectory), "{wrong:?}");
+            // The next round looks at the header, then at the directory.
+            assert_eq!(scrub.step(), ScrubStep::GoesOn);
+            assert_eq!(scrub.step(), ScrubStep::Damaged(UplinkError::DirectoryCrc));
         }
     }
 }

@@ -40,6 +40,7 @@
 
 use super::{HEADER_BYTES, MAGIC, checksum};
 use crate::bytes::{field, put, u32_at, u64_at};
+use crate::convert::uncounted;
 
 /// Bytes of a slot's word: the longest span under one error-correcting code that is served.
 pub const WORD_BYTES: usize = 32;
@@ -111,17 +112,19 @@ pub fn slot_bytes(container: usize) -> Option<usize> {
     container.checked_next_multiple_of(WORD_BYTES)?.checked_add(CONTAINER_OFFSET)
 }
 
-/// The word at `offset`, if it is there.
-pub(super) fn word_at(slot: &[u8], offset: usize) -> Option<Word> {
-    field(slot, offset)
+/// Whether the word at `offset` is there and reads as this one.
+#[inline(never)]
+pub(super) fn reads(slot: &[u8], offset: usize, word: &Word) -> bool {
+    slot.get(offset..).and_then(|rest| rest.first_chunk()) == Some(word)
 }
 
 /// Whether the word at `offset` is there and reads as erased.
 pub(super) fn is_erased(slot: &[u8], offset: usize) -> bool {
-    word_at(slot, offset) == Some(ERASED)
+    reads(slot, offset, &ERASED)
 }
 
 /// The COMMIT word of a container.
+#[inline(never)]
 pub(super) fn commit_word(sequence: u32, length: u32, set_digest: u64) -> Word {
     let mut word = [0; WORD_BYTES];
     put(&mut word, 0, COMMIT_MAGIC);
@@ -132,6 +135,7 @@ pub(super) fn commit_word(sequence: u32, length: u32, set_digest: u64) -> Word {
 }
 
 /// The floor word of a number.
+#[inline(never)]
 pub(super) fn floor_word(number: u32) -> Word {
     let mut word = [0; WORD_BYTES];
     put(&mut word, 0, FLOOR_MAGIC);
@@ -147,36 +151,45 @@ fn sealed(mut word: Word) -> Word {
 }
 
 /// The sequence number in a slot's COMMIT word, where that is whole.
+#[inline(never)]
 pub(super) fn committed_sequence(slot: &[u8]) -> Option<u32> {
-    let word = word_at(slot, COMMIT_OFFSET)?;
-    let number = u32_at(&word, 8)?;
-    (word == commit_word(number, u32_at(&word, 12)?, u64_at(&word, 16)?)).then_some(number)
+    let number = u32_at(slot, COMMIT_OFFSET + 8)?;
+    let (length, digest) = (u32_at(slot, COMMIT_OFFSET + 12)?, u64_at(slot, COMMIT_OFFSET + 16)?);
+    reads(slot, COMMIT_OFFSET, &commit_word(number, length, digest)).then_some(number)
 }
 
 /// Whether any bit of a slot's REVOKED word was programmed.
 pub(super) fn is_revoked(slot: &[u8]) -> bool {
-    word_at(slot, REVOKED_OFFSET).is_some_and(|word| word != ERASED)
+    slot.len() >= REVOKED_OFFSET + WORD_BYTES && !is_erased(slot, REVOKED_OFFSET)
 }
 
-fn floor_offsets() -> impl Iterator<Item = usize> {
-    (0..FLOOR_WORDS).map(|index| index.wrapping_mul(WORD_BYTES).wrapping_add(FLOOR_OFFSET))
+/// The floor words of a slot, in the order of their use.
+fn floors(slot: &[u8]) -> impl Iterator<Item = &Word> {
+    let words = slot.get(FLOOR_OFFSET..).unwrap_or(&[]).as_chunks().0;
+    words.iter().take(uncounted(FLOOR_WORDS))
 }
 
 /// Up to which number a slot says that the other one is revoked.
 #[inline(never)]
 pub(super) fn floor(slot: &[u8]) -> Option<u32> {
-    floor_offsets()
-        .filter_map(|offset| {
-            let word = word_at(slot, offset)?;
-            let number = u32_at(&word, 8)?;
-            (word == floor_word(number)).then_some(number)
+    floors(slot)
+        .filter_map(|word| {
+            let number = u32_at(word, 8)?;
+            (*word == floor_word(number)).then_some(number)
         })
         .max()
 }
 
 /// Where the next floor word of a slot is to be programmed; `None` when all are used.
 pub(super) fn free_floor(slot: &[u8]) -> Option<usize> {
-    floor_offsets().find(|offset| is_erased(slot, *offset))
+    let mut offset = FLOOR_OFFSET;
+    for word in floors(slot) {
+        if reads(word, 0, &ERASED) {
+            return Some(offset);
+        }
+        offset = offset.wrapping_add(WORD_BYTES);
+    }
+    None
 }
 
 /// A slot from its container on: as long as the container's header says, where that fits.

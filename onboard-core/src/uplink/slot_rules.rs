@@ -5,7 +5,7 @@ extern crate std;
 use super::flash::{FlashOperation, Upload};
 use super::slot_layout::{
     CONTAINER_OFFSET, FLOOR_OFFSET, FLOOR_WORDS, REVOKED_OFFSET, Slot, Slots, WORD_BYTES,
-    slot_bytes,
+    floor_word, slot_bytes,
 };
 use super::slots::{NoTables, RollbackRefusal, SlotState, UploadRefusal, committed_head};
 use super::tests::container_of;
@@ -25,10 +25,10 @@ use std::vec::Vec;
 const NOW: Instant = Instant::from_tai_ns(100);
 const ROOM: usize = 1536;
 
-fn ephemeris() -> Vec<u8> {
+fn ephemeris(coefficients: u16) -> Vec<u8> {
     let span = Span {
         body: 5,
-        coefficients: 1,
+        coefficients,
         granules: 1,
         first: 0,
         start: Instant::from_tai_ns(0),
@@ -36,15 +36,26 @@ fn ephemeris() -> Vec<u8> {
         bounds: MotionBounds { rate_rad_s: 0.0, acceleration_per_s2: 0.0, max_abs_z: 1.0 },
     };
     let body = BodyRecord { body: 5, spans: 1, first: 0, bounds: span.bounds };
-    let mut bytes = table_header(1, 1, 3).to_vec();
+    let mut bytes = table_header(1, 1, 3 * u32::from(coefficients)).to_vec();
     bytes.extend(body.to_le_bytes());
     bytes.extend(span.to_le_bytes());
     bytes.extend([0.0, 0.0, 1.0_f64].iter().flat_map(|number| number.to_le_bytes()));
+    bytes.extend(vec![0; 24 * usize::from(coefficients - 1)]);
     bytes
 }
 
 /// A container with the circular Sun and no plan, valid for (from, until).
-pub(super) fn uplink(sequence: u32, (from, until): (i64, i64)) -> Vec<u8> {
+pub(super) fn uplink(sequence: u32, validity: (i64, i64)) -> Vec<u8> {
+    uplink_for(1, sequence, validity, 1)
+}
+
+/// The same for a spacecraft, with an ephemeris of so many coefficients per component.
+pub(super) fn uplink_for(
+    spacecraft: u32,
+    sequence: u32,
+    (from, until): (i64, i64),
+    coefficients: u16,
+) -> Vec<u8> {
     let rotor = Rotor { rate: TurnRate::from_bits(1 << 80), start: Phase::ZERO };
     let parameters = ScanParameters {
         start: Instant::from_tai_ns(0),
@@ -60,11 +71,11 @@ pub(super) fn uplink(sequence: u32, (from, until): (i64, i64)) -> Vec<u8> {
         valid_from: Instant::from_tai_ns(from),
         valid_until: Instant::from_tai_ns(until),
         mission_digest: [3; 16],
-        spacecraft: 1,
+        spacecraft,
     };
     container_of(
         &header,
-        &[(SectionKind::Ephemeris, &ephemeris()), (SectionKind::Mission, &mission)],
+        &[(SectionKind::Ephemeris, &ephemeris(coefficients)), (SectionKind::Mission, &mission)],
     )
 }
 
@@ -383,4 +394,73 @@ fn without_active_tables_what_holds_a_revoked_number_down_is_kept() {
     let empty = blank();
     assert_eq!(place(Slots { a: &new, b: &empty }.admit(&uplink(6, (0, 900)), NOW)), Ok(Slot::B));
     assert_eq!(place(Slots { a: &empty, b: &new }.admit(&uplink(6, (0, 900)), NOW)), Ok(Slot::A));
+}
+
+#[test]
+// REQ-SLOT-1.
+fn of_equal_numbers_the_first_slot_is_active() {
+    let slot = slot_with(&uplink(4, (0, 900)));
+    assert_eq!(Slots { a: &slot, b: &slot }.active().unwrap().slot, Slot::A);
+}
+
+#[test]
+// REQ-SLOT-7.
+fn a_container_fills_whole_words_and_no_more() {
+    let mut exact = 0;
+    for coefficients in 1..=4 {
+        let container = uplink_for(1, 4, (0, 900), coefficients);
+        let (mut a, mut b) = (blank(), blank());
+        let mut upload = Slots { a: &a, b: &b }.admit(&container, NOW).unwrap();
+        let mut programmed = 0;
+        while let Some(operation) = upload.next(&Slots { a: &a, b: &b }).unwrap() {
+            if matches!(operation, FlashOperation::Program { .. }) {
+                programmed += 1;
+            }
+            carry_out(operation, &mut a, &mut b);
+        }
+        assert_eq!(programmed, container.len().div_ceil(WORD_BYTES) + 1, "and the commit");
+        exact += usize::from(container.len().is_multiple_of(WORD_BYTES));
+    }
+    assert_eq!(exact, 1, "one of four lengths is whole words");
+}
+
+/// A slot with the container of this spacecraft and number, revoked.
+fn revoked(spacecraft: u32, sequence: u32) -> Vec<u8> {
+    let mut slot = slot_with(&uplink_for(spacecraft, sequence, (0, 900), 1));
+    slot[REVOKED_OFFSET + 7] = 0x7f;
+    slot
+}
+
+#[test]
+// REQ-SLOT-7.
+fn without_active_tables_the_newest_ones_tell_the_spacecraft() {
+    let other = uplink_for(3, 9, (0, 900), 1);
+    let told = |a: &[u8], b: &[u8]| match (Slots { a, b }).admit(&other, NOW) {
+        Err(UploadRefusal::OtherSpacecraft { candidate: 3, flown }) => Some(flown),
+        admitted => {
+            assert!(admitted.is_ok());
+            None
+        }
+    };
+    let blank = blank();
+    assert_eq!(told(&revoked(1, 4), &revoked(2, 5)), Some(2));
+    assert_eq!(told(&revoked(1, 5), &revoked(2, 4)), Some(1));
+    assert_eq!(told(&revoked(1, 5), &revoked(2, 5)), Some(1));
+    assert_eq!(told(&revoked(1, 5), &blank), Some(1));
+    assert_eq!(told(&blank, &revoked(2, 4)), Some(2));
+    assert_eq!(told(&blank, &blank), None);
+}
+
+#[test]
+// REQ-SLOT-4.
+fn a_slot_that_holds_a_container_down_by_its_floor_is_not_erased() {
+    // A holds 4, which B's floor revokes; A's own floor is higher than all that B knows.
+    let (mut a, mut b) = (slot_with(&uplink(4, (0, 900))), blank());
+    a[FLOOR_OFFSET..FLOOR_OFFSET + WORD_BYTES].copy_from_slice(&floor_word(7));
+    b[FLOOR_OFFSET..FLOOR_OFFSET + WORD_BYTES].copy_from_slice(&floor_word(4));
+    assert_eq!(floor_word(7)[12..16], (!7_u32).to_le_bytes());
+    for (slots, free) in [(Slots { a: &a, b: &b }, Slot::A), (Slots { a: &b, b: &a }, Slot::B)] {
+        assert!(slots.active().is_err());
+        assert_eq!(place(slots.admit(&uplink(8, (0, 900)), NOW)), Ok(free));
+    }
 }

@@ -29,14 +29,16 @@
 
 use super::flash::{Revocation, Upload};
 use super::slot_layout::{
-    COMMIT_OFFSET, CONTAINER_OFFSET, Slot, Slots, Word, commit_word, committed_sequence, floor,
-    free_floor, image, is_erased, is_revoked, slot_bytes, whole_header, word_at,
+    COMMIT_OFFSET, CONTAINER_OFFSET, Slot, Slots, WORD_BYTES, Word, commit_word,
+    committed_sequence, floor, free_floor, image, is_erased, is_revoked, reads, slot_bytes,
+    whole_header,
 };
 use super::{
     Container, Header, MissionChangeOrder, RollbackOrder, SequenceError, TableError, Tables,
     check_sequence,
 };
 use crate::bytes::{put, u32_at};
+use crate::convert::{rolled, uncounted};
 use crate::time::Instant;
 
 /// What a slot holds.
@@ -183,6 +185,7 @@ impl<'a> Slots<'a> {
     }
 
     /// The sequence number of a slot's committed container, or what the slot holds instead.
+    #[inline(never)]
     fn number(&self, slot: Slot) -> Result<u32, SlotState> {
         let number = own_number(self.bytes(slot))?;
         if self.is_under_floor(slot, number) {
@@ -344,8 +347,13 @@ impl<'a> Slots<'a> {
 #[must_use]
 #[inline(never)]
 pub fn committed_head(container: &Container<'_>) -> [u8; CONTAINER_OFFSET] {
-    let mut head = [0xff; CONTAINER_OFFSET];
+    let mut head = [0; CONTAINER_OFFSET];
     put(&mut head, COMMIT_OFFSET, own_commit(container));
+    let rest = head.get_mut(COMMIT_OFFSET + WORD_BYTES..).unwrap_or(&mut []);
+    for byte in rest.iter_mut().take(uncounted(CONTAINER_OFFSET)) {
+        rolled();
+        *byte = 0xff;
+    }
     head
 }
 
@@ -365,7 +373,7 @@ fn own_number(slot: &[u8]) -> Result<u32, SlotState> {
 /// Whether the COMMIT word is that of the container in the slot.
 #[inline(never)]
 fn is_own_commit(slot: &[u8], container: &Container<'_>) -> bool {
-    word_at(slot, COMMIT_OFFSET) == Some(own_commit(container))
+    reads(slot, COMMIT_OFFSET, &own_commit(container))
 }
 
 fn own_commit(container: &Container<'_>) -> Word {

@@ -13,6 +13,7 @@ use crate::sun::SunModel;
 
 /// Why a container's contents are refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum TableError {
     /// The container itself.
     Container(UplinkError),
@@ -45,6 +46,7 @@ impl<'a> Tables<'a> {
     /// # Errors
     /// [`TableError`], the first thing found wrong.
     // REQ-CONT-2.
+    #[inline(never)]
     pub fn load(bytes: &'a [u8]) -> Result<Self, TableError> {
         Self::from_container(&Container::parse(bytes).map_err(TableError::Container)?)
     }
@@ -87,6 +89,7 @@ impl<'a> Tables<'a> {
         Ok(())
     }
 
+    #[inline(never)]
     fn check_body(&self, number: i32) -> Result<(), TableError> {
         self.check_coverage(number, self.ephemeris.body(number).map_err(TableError::Ephemeris)?)
     }

@@ -26,4 +26,4 @@ mod passes;
 
 pub use opportunity::{Opportunities, Opportunity, OpportunityError, Pass};
 pub use passes::{Found, Offers, OffersError, search};
-pub use sight_line::{NONE, SightError, SightLine, View, boresight, of_plan, select};
+pub use sight_line::{FieldKey, NONE, SightError, SightLine, boresight, of_plan, select};

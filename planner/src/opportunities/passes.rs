@@ -4,7 +4,7 @@
 //! entry, target and line of sight. The ground adds nothing to the mathematics.
 
 use super::opportunity::{Opportunities, OpportunityError, Pass};
-use super::sight_line::{SightError, SightLine, View, of_plan};
+use super::sight_line::{FieldKey, SightError, SightLine, of_plan};
 use crate::visits::transits;
 use crate::world::{TableFault, Tables, World, body};
 use onboard_core::ephemeris::EphemerisTable;
@@ -85,9 +85,9 @@ pub fn search(
 ) -> Result<Vec<Found>, OffersError> {
     let sun = world.sun(table)?;
     // Lines of sight that see the same are searched once.
-    let mut alike: BTreeMap<View, Vec<usize>> = BTreeMap::new();
+    let mut alike: BTreeMap<FieldKey, Vec<usize>> = BTreeMap::new();
     for (index, line) in lines.iter().enumerate() {
-        alike.entry(line.view()).or_default().push(index);
+        alike.entry(line.field_key()).or_default().push(index);
     }
     let pairs: Vec<(usize, &Vec<usize>)> = (0..world.targets.len())
         .flat_map(|target| alike.values().map(move |group| (target, group)))

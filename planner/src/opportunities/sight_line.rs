@@ -16,7 +16,7 @@ use thiserror::Error;
 pub const NONE: &str = "-";
 
 /// Where a field of view is and its size, as bits.
-pub type View = ([u64; 4], [u64; 2]);
+pub type FieldKey = ([u64; 4], [u64; 2]);
 
 /// Why there is no such line of sight.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -84,13 +84,15 @@ impl SightLine {
 
     /// Equal, to the bit, for lines of sight that have the same directions inside at all times.
     #[must_use]
-    pub fn view(&self) -> View {
+    pub fn field_key(&self) -> FieldKey {
         let (place, shape) = match self.field.shape() {
             FieldShape::Circle(radius) => {
                 let [x, y, z] = self.field.centre().xyz();
                 ([x, y, z, 0.0], [radius, 0.0])
             }
-            FieldShape::Rectangle(width, height) => (self.rotation.to_xyzw(), [width, height]),
+            FieldShape::Rectangle { width_rad, height_rad } => {
+                (self.rotation.to_xyzw(), [width_rad, height_rad])
+            }
         };
         (place.map(f64::to_bits), shape.map(f64::to_bits))
     }

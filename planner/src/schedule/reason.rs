@@ -129,6 +129,7 @@ pub fn skipped(reason: SkipReason) -> String {
             format!("a field of view comes too near to body {body}")
         }
         SkipReason::Ephemeris(error) => format!("its tables have no answer: {error:?}"),
+        other => format!("{other:?}"),
     }
 }
 

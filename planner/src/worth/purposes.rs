@@ -198,7 +198,9 @@ fn impact_step(line: &SightLine, fwhm_rad: f64) -> f64 {
     }
     match line.field.shape() {
         FieldShape::Circle(radius) => 2.0 * radius / PARTS_OF_FIELD,
-        FieldShape::Rectangle(width, height) => width.max(height) / PARTS_OF_FIELD,
+        FieldShape::Rectangle { width_rad, height_rad } => {
+            width_rad.max(height_rad) / PARTS_OF_FIELD
+        }
     }
 }
 

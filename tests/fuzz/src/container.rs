@@ -107,7 +107,7 @@ fn carry_out(tables: &Tables<'_>, seed: u64) {
     let at = first.map_or(tables.header().valid_from, |session| session.start);
     let clock = ClockCorrelation {
         sequence: 1,
-        spacecraft: 1,
+        spacecraft: tables.header().spacecraft,
         uncertainty_ns: 0,
         ticks: 0,
         at,

@@ -16,3 +16,4 @@ pub mod container;
 pub mod records;
 pub mod slots;
 pub mod sequencer;
+pub mod telemetry;

@@ -1,15 +1,23 @@
 //! The seed corpus: real tables and records, and streams of operations that get somewhere.
 
 use crate::{sequencer as fly, slots as store};
+use onboard_core::clock::ClockError;
 use onboard_core::ephemeris::{BODY_BYTES, HEADER_BYTES, SPAN_BYTES, table_header};
 use onboard_core::field_of_view::FieldShape;
 use onboard_core::frame::{Boresight, Detector, Telescope};
 use onboard_core::phase::{Phase, Rotor};
 use onboard_core::rotation::Rotation;
+use onboard_core::sequencer::{
+    AbortReason, Event, Lost, Progress, SafeReason, SkipReason, State, Tick,
+};
+use onboard_core::telemetry::{
+    ClockInUse, EventReport, Housekeeping, Origin, TablesInUse, TrackerHealth, VisitToCome,
+};
 use onboard_core::time::Instant;
+use onboard_core::uncertainty::ScanCovariance;
 use onboard_core::uplink::{
-    AvoidanceRecord, Counts, DetectorRecord, Header, MissionTable, RollbackOrder, SectionKind,
-    SunRecord, TelescopeRecord,
+    AvoidanceRecord, Counts, DetectorRecord, Header, MissionTable, RollbackOrder, ScrubProgress,
+    SectionKind, SunRecord, TelescopeRecord,
 };
 use tests::campaign::{BODY, CLOCK, DAY, SECOND, ephemeris, sessions, sun, telescope, uplink};
 use tests::uplink::{container, plan};
@@ -69,7 +77,7 @@ fn full_mission(sun: SunRecord) -> Vec<u8> {
     let rectangle = TelescopeRecord {
         rotation: Rotation::<Telescope, Boresight>::about_y(0.1),
         hwp: Some(plate),
-        field: FieldShape::Rectangle(0.3, 0.15),
+        field: FieldShape::Rectangle { width_rad: 0.3, height_rad: 0.15 },
     };
     bytes.extend(telescope().to_le_bytes());
     bytes.extend(rectangle.to_le_bytes());
@@ -192,6 +200,50 @@ fn flights() -> [Vec<u8>; 3] {
     [carried_out.concat(), disturbed.concat(), others.concat()]
 }
 
+const EXPIRED: SafeReason = SafeReason::Clock(ClockError::Expired(Instant::from_tai_ns(-DAY)));
+const JUMPED: Event =
+    Event::TimeJumped { from: Instant::from_tai_ns(0), to: Instant::from_tai_ns(DAY) };
+
+fn event(event: Event) -> Vec<u8> {
+    let origin = Origin::new(1, 0, 2000, Some(&CLOCK));
+    EventReport { origin, event }.to_be_bytes().to_vec()
+}
+
+/// With all that there can be, or of a sequencer that has just begun.
+fn housekeeping(all: bool) -> Vec<u8> {
+    let at = Instant::from_tai_ns(DAY);
+    let covariance = ScanCovariance { variances: [1e-10; 3], covariances: [-1e-11; 3] };
+    let state = if all { State::Cooldown(3) } else { State::Safe(SafeReason::Boot) };
+    let report = Housekeeping {
+        origin: Origin::new(1, 0, 2000, all.then_some(&CLOCK)),
+        tick: Tick { state, evaluations: 104, check: Progress::UnderWay },
+        tables: all.then_some(TablesInUse { sequence: 9, set_digest: 7, valid_until: at }),
+        tables_damaged: all,
+        clock: all.then_some(ClockInUse::of(&CLOCK)),
+        lost: Lost { skipped: 2, ..Lost::NONE },
+        tracker: all.then_some(TrackerHealth {
+            epoch: at,
+            accepted: 40,
+            refused_in_a_row: 1,
+            covariance,
+            rate_sigmas_rad_s: [1e-12; 2],
+        }),
+        scrub: all.then_some(ScrubProgress { at: 512, length: 16_384 }),
+        visit: all.then_some(VisitToCome {
+            body: BODY,
+            entry: at,
+            exit: at,
+            entry_clipped: true,
+            exit_clipped: true,
+            earliest_entry: at,
+            latest_exit: at,
+            probability: 0.75,
+            entry_sigma_s: 0.5,
+        }),
+    };
+    report.to_be_bytes().to_vec()
+}
+
 /// Every seed.
 #[must_use]
 pub fn seeds() -> Vec<Seed> {
@@ -217,6 +269,13 @@ pub fn seeds() -> Vec<Seed> {
         seed("sequencer", "carried_out", carried_out),
         seed("sequencer", "disturbed", disturbed),
         seed("sequencer", "others", others),
+        seed("telemetry", "started", event(Event::Started(4, sessions(1)[0]))),
+        seed("telemetry", "safe", event(Event::Entered(State::Safe(EXPIRED)))),
+        seed("telemetry", "skipped", event(Event::Skipped(4, SkipReason::Passes(3)))),
+        seed("telemetry", "aborted", event(Event::Aborted(4, AbortReason::Avoidance(BODY)))),
+        seed("telemetry", "jumped", event(JUMPED)),
+        seed("telemetry", "housekeeping", housekeeping(true)),
+        seed("telemetry", "boot", housekeeping(false)),
     ]
 }
 

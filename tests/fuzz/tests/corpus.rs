@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 type Run = fn(&[u8]);
 
-const TARGETS: [(&str, Run); 7] = [
+const TARGETS: [(&str, Run); 8] = [
     ("container", fuzz::container::run),
     ("ephemeris", fuzz::ephemeris::run),
     ("mission", fuzz::mission::run),
@@ -14,6 +14,7 @@ const TARGETS: [(&str, Run); 7] = [
     ("records", fuzz::records::run),
     ("slots", fuzz::slots::run),
     ("sequencer", fuzz::sequencer::run),
+    ("telemetry", fuzz::telemetry::run),
 ];
 
 fn folder(target: &str) -> PathBuf {

@@ -4,10 +4,15 @@
 //! The panic handler calls a symbol that nobody defines, there is no allocator and no std: if this
 //! binary links, none of them is reachable. Arguments come through pointers of `extern "C"`
 //! functions, so nothing folds away. `tests/tests/link_probe.rs` holds the list below against the
-//! public functions in the source; the features seed faults that must break the link.
+//! public functions in the source; the features seed faults that must break the link, without the
+//! probes, which say nothing about them.
 
 #![no_std]
 #![no_main]
+#![cfg_attr(
+    feature = "alone",
+    allow(unused_imports, dead_code, reason = "the probes are left out")
+)]
 
 mod faults;
 #[cfg(target_arch = "x86_64")]
@@ -39,6 +44,12 @@ use onboard_core::sequencer::{
     SettingsError, Situation, SkipReason, Stamped, State, Tick,
 };
 use onboard_core::sun::{AntiSunAxes, SunModel};
+use onboard_core::telemetry::{
+    ClockInUse, EVENT_BYTES, EventReport, HOUSEKEEPING_BYTES, Housekeeping, Origin,
+    PACKET_HEADER_BYTES, PacketError, PacketHeader, TablesInUse, TrackerHealth, VisitToCome,
+};
+#[cfg(not(target_os = "none"))]
+use onboard_core::telemetry::{Payload, TelemetryError, payload_bytes};
 use onboard_core::time::{Duration, Instant};
 use onboard_core::tracking::{
     Measurement, MeasurementRefusal, Residuals, ResumeError, ScanAngles, TRACKER_BYTES, Tracker,
@@ -52,9 +63,10 @@ use onboard_core::uplink::{
     Active, AvoidanceRecord, Container, Counts, DetectorRecord, FlashError, FlashOperation, Header,
     MISSION_CHANGE_BYTES, MissionChangeError, MissionChangeOrder, MissionError, MissionTable,
     NoTables, PlanError, PlanTable, ROLLBACK_BYTES, Revocation, RollbackError, RollbackOrder,
-    RollbackRefusal, SESSION_BYTES, Scrub, ScrubStep, SectionKind, SequenceError, SessionRecord,
-    SetDigest, Slot, SlotState, Slots, SunRecord, TableError, Tables, TelescopeRecord, UplinkError,
-    Upload, UploadRefusal, check_sequence, checksum, committed_head, entry_to_le_bytes, slot_bytes,
+    RollbackRefusal, SESSION_BYTES, Scrub, ScrubProgress, ScrubStep, SectionKind, SequenceError,
+    SessionRecord, SetDigest, Slot, SlotState, Slots, SunRecord, TableError, Tables,
+    TelescopeRecord, UplinkError, Upload, UploadRefusal, check_sequence, checksum, committed_head,
+    entry_to_le_bytes, slot_bytes,
 };
 
 use onboard_core::visits::{
@@ -83,8 +95,10 @@ type Attitude = Rotation<Detector, Ecliptic>;
 /// Large arguments are `&'static`, so that no copy of them counts as stack. A function with const
 /// parameters stands twice: `name__1` at capacity 1, `name__max` at the largest.
 macro_rules! probes {
-    ($($name:ident ($($arg:ident: $kind:ty),*) -> $out:ty $body:block)*) => {
+    ($($(#[$only:meta])? $name:ident ($($arg:ident: $kind:ty),*) -> $out:ty $body:block)*) => {
         $(
+            #[cfg(not(feature = "alone"))]
+            $(#[$only])?
             #[unsafe(no_mangle)]
             #[allow(improper_ctypes_definitions, unused_unsafe, reason = "nobody calls it from C")]
             unsafe extern "C" fn $name($($arg: *const $kind),*) -> $out {
@@ -99,7 +113,11 @@ macro_rules! probes {
         /// Keeps every probe in the binary.
         #[unsafe(no_mangle)]
         extern "C" fn _start() -> ! {
-            $(core::hint::black_box($name as *const ());)*
+            $(
+                #[cfg(not(feature = "alone"))]
+                $(#[$only])?
+                core::hint::black_box($name as *const ());
+            )*
             faults::keep();
             loop {}
         }
@@ -132,6 +150,7 @@ probes! {
     rotor_with_period(period: Duration, start: Phase) -> Option<Rotor> { Rotor::with_period(period, start) }
     scrub_new(tables: &'static Tables<'static>) -> Scrub<'static> { Scrub::new(tables) }
     scrub_longest(scrub: &'static Scrub<'static>) -> u32 { scrub.longest() }
+    scrub_progress(scrub: *const Scrub<'static>) -> ScrubProgress { (&*scrub).progress() }
     scrub_step(scrub: *mut Scrub<'static>) -> ScrubStep { (&mut *scrub).step() }
     turn_rate_from_radians_per_second(rad_s: f64) -> TurnRate { TurnRate::from_radians_per_second(rad_s) }
     turn_rate_plus(a: TurnRate, b: TurnRate) -> TurnRate { a.plus(b) }
@@ -180,7 +199,7 @@ probes! {
     sun_model_state(sun: &'static SunModel<'static>, start: Instant, at: Instant) -> Result<DirectionState<Ecliptic>, EphemerisError> { sun.state(start, at) }
     sun_model_bounds(sun: &'static SunModel<'static>) -> MotionBounds { sun.bounds() }
     anti_sun_axes_new(sun: &'static DirectionState<Ecliptic>) -> AntiSunAxes { AntiSunAxes::new(sun) }
-    anti_sun_axes_view(axes: &'static AntiSunAxes, target: &'static DirectionState<Ecliptic>) -> DirectionState<AntiSun> { axes.view(target) }
+    anti_sun_axes_in_anti_sun(axes: &'static AntiSunAxes, target: &'static DirectionState<Ecliptic>) -> DirectionState<AntiSun> { axes.in_anti_sun(target) }
     anti_sun_axes_angular_velocity_rad_s(axes: &'static AntiSunAxes) -> [f64; 3] { axes.angular_velocity_rad_s() }
     anti_sun_axes_rotation(axes: &'static AntiSunAxes) -> Rotation<AntiSun, Ecliptic> { axes.rotation() }
 
@@ -234,7 +253,7 @@ probes! {
     search_origin_new(header: &'static Header, set_digest: u64, scan: &'static ScanStrategy, field: &'static FieldOfView, body: i32) -> SearchOrigin { SearchOrigin::new(header, set_digest, scan, field, body) }
     search_state_to_le_bytes(state: *const SearchState, of: SearchOrigin) -> [u8; SEARCH_BYTES] { (&*state).to_le_bytes(&of) }
     search_state_from_le_bytes(record: &'static [u8; SEARCH_BYTES], of: SearchOrigin) -> Result<SearchState, RecordError> { SearchState::from_le_bytes(record, &of) }
-    channel_resume(channel: &'static mut Channel<'static>, state: SearchState) -> () { channel.resume(state) }
+    channel_resume(channel: &'static mut Channel<'static>, state: &'static SearchState) -> () { channel.resume(*state) }
     channel_evaluations(channel: &'static Channel<'static>) -> u64 { channel.evaluations() }
     channel_frontier(channel: &'static Channel<'static>) -> Option<Instant> { channel.frontier() }
     transit_dwell(transit: Transit) -> Duration { transit.dwell() }
@@ -343,6 +362,23 @@ probes! {
 
     clock_correlation_from_le_bytes(bytes: [u8; CLOCK_BYTES]) -> Result<ClockCorrelation, ClockError> { ClockCorrelation::from_le_bytes(&bytes) }
     clock_correlation_to_le_bytes(clock: ClockCorrelation) -> [u8; CLOCK_BYTES] { clock.to_le_bytes() }
+    origin_new(spacecraft: u32, telescope: u16, ticks: u64, clock: *const ClockCorrelation) -> Origin { Origin::new(spacecraft, telescope, ticks, Some(&*clock)) }
+    event_report_new(stamped: *const Stamped, spacecraft: u32, telescope: u16, clock: *const ClockCorrelation) -> EventReport { EventReport::new(&*stamped, spacecraft, telescope, Some(&*clock)) }
+    event_report_to_be_bytes(report: *const EventReport) -> [u8; EVENT_BYTES] { (&*report).to_be_bytes() }
+    tables_in_use_of(tables: *const Tables<'static>) -> TablesInUse { TablesInUse::of(&*tables) }
+    clock_in_use_of(clock: *const ClockCorrelation) -> ClockInUse { ClockInUse::of(&*clock) }
+    tracker_health_of(tracker: *const Tracker, at: Instant) -> TrackerHealth { TrackerHealth::of(&*tracker, at) }
+    visit_to_come_of(next: *const NextVisit, body: i32) -> VisitToCome { VisitToCome::of(&*next, body) }
+    housekeeping_to_be_bytes(report: *const Housekeeping) -> [u8; HOUSEKEEPING_BYTES] { (&*report).to_be_bytes() }
+    packet_header_to_be_bytes(header: PacketHeader) -> [u8; PACKET_HEADER_BYTES] { header.to_be_bytes() }
+    packet_header_from_be_bytes(bytes: [u8; PACKET_HEADER_BYTES]) -> Result<PacketHeader, PacketError> { PacketHeader::from_be_bytes(bytes) }
+    #[cfg(not(target_os = "none"))]
+    payload_bytes_probe(kind: u8) -> Option<usize> { payload_bytes(kind) }
+    #[cfg(not(target_os = "none"))]
+    payload_from_be_bytes(bytes: Bytes) -> Result<Payload, TelemetryError> { Payload::from_be_bytes(bytes) }
+    #[cfg(not(target_os = "none"))]
+    payload_origin(payload: *const Payload) -> Origin { *(&*payload).origin() }
+
     clock_correlation_replacing(clock: ClockCorrelation, active: *const ClockCorrelation, spacecraft: u32) -> Result<ClockCorrelation, ClockError> { clock.replacing(Some(&*active), spacecraft) }
     clock_correlation_instant(clock: *const ClockCorrelation, ticks: u64) -> Result<Instant, ClockError> { (&*clock).instant(ticks) }
     clock_correlation_tick_of(ns: u64, fraction: u64) -> u128 { ClockCorrelation::tick_of(ns, fraction) }
@@ -367,7 +403,7 @@ probes! {
     session_check_strategy(check: *const SessionCheck) -> &'static ScanStrategy { (&*check).strategy() }
     session_check_verdict(check: *const SessionCheck) -> Option<Result<(), SkipReason>> { (&*check).verdict() }
     session_check_pieces(check: *const SessionCheck) -> u32 { (&*check).pieces() }
-    session_check_uncertainty(check: *const SessionCheck, scan: *const ScanEstimate<'static>) -> Duration { (&*check).uncertainty(|at| (&*scan).covariance_at(at)) }
+    session_check_uncertainty(check: *const SessionCheck, scan: *const ScanEstimate<'static>) -> Duration { (&*check).uncertainty(&*scan) }
     session_check_advance(check: *mut SessionCheck, question: *const Question<'static, 'static>, steps: u16) -> u32 { (&mut *check).advance(&*question, steps) }
     sequencer_new(settings: Settings) -> Result<Sequencer, SettingsError> { Sequencer::new(settings) }
     sequencer_state(sequencer: *const Sequencer) -> State { (&*sequencer).state() }

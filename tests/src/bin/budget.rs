@@ -3,7 +3,8 @@
 //! `budget [--update] [--all] FOLDER BUILD=BINARY...`: FOLDER holds `budget.toml` (limits and the
 //! last recorded worst values) and `stack.csv` (every entry point's recorded stack). Prints each value
 //! with its limit, its recorded value and the difference; exits 1 above a limit or where no bound on
-//! the stack can be given. `--update` records the new values, `--all` lists every entry point.
+//! the stack can be given. `--update` records the new values, `--all` lists every entry point, `--fault`
+//! looks at a binary without the entry points.
 //! The environment's `OBJDUMP` and `OBJDUMP_ARM` name the disassemblers.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -37,7 +38,8 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let (options, rest): (Vec<_>, Vec<_>) =
         arguments.iter().map(String::as_str).partition(|argument| argument.starts_with("--"));
-    if let Some(unknown) = options.iter().find(|option| !["--update", "--all"].contains(option)) {
+    let known = ["--update", "--all", "--fault"];
+    if let Some(unknown) = options.iter().find(|option| !known.contains(option)) {
         return Err(format!("no such option: {unknown}").into());
     }
     let [folder, builds @ ..] = &*rest else { return Err("which folder?".into()) };
@@ -46,7 +48,10 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let mut document: DocumentMut = std::fs::read_to_string(&budget)
         .map_err(|error| format!("{}: {error}", budget.display()))?
         .parse()?;
-    let entries = entry_points(&folder.join("../link-probe/src/main.rs"))?;
+    let mut entries = entry_points(&folder.join("../link-probe/src/main.rs"))?;
+    if options.contains(&"--fault") {
+        entries.clear();
+    }
     let mut measured = Vec::new();
     for build in builds {
         let (name, path) = build.split_once('=').ok_or("a build is NAME=BINARY")?;
@@ -74,7 +79,8 @@ fn run() -> Result<bool, Box<dyn Error>> {
     Ok(within)
 }
 
-/// The names of the link probe's functions, one per line of its source.
+/// The names of the link probe's functions, one per line of its source; without those of hosts alone,
+/// which stand below a `#[cfg]`.
 fn entry_points(probe: &Path) -> Result<BTreeSet<String>, Box<dyn Error>> {
     let source =
         std::fs::read_to_string(probe).map_err(|error| format!("{}: {error}", probe.display()))?;
@@ -83,7 +89,9 @@ fn entry_points(probe: &Path) -> Result<BTreeSet<String>, Box<dyn Error>> {
         let plain = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
         (plain && rest.contains(") -> ") && rest.ends_with(" }")).then(|| name.to_owned())
     };
-    Ok(source.lines().filter_map(name).collect())
+    let lines = source.lines().zip(source.lines().skip(1));
+    let everywhere = lines.filter(|(before, _)| !before.starts_with("    #[cfg("));
+    Ok(everywhere.filter_map(|(_, line)| name(line)).collect())
 }
 
 fn measure(
@@ -114,8 +122,11 @@ fn measure(
     Ok(Measured { build: build.into(), sizes, depths })
 }
 
-/// The limit of a section, where it binds this build.
+/// The limit of a section, where it binds this build: the build's own, else the section's.
 fn limit(document: &DocumentMut, section: &str, build: &str) -> Option<u64> {
+    if let Some(own) = number(document, section, build, "limit_bytes") {
+        return Some(own);
+    }
     let section = document.get(section)?;
     let binds = section.get("limited")?.as_array()?.iter().any(|name| name.as_str() == Some(build));
     u64::try_from(section.get("limit_bytes")?.as_integer()?).ok().filter(|_| binds)

@@ -9,7 +9,7 @@ use clap::Parser;
 use ground_tools::cli::Cli;
 use onboard_core::attitude::{attitude, sweep};
 use onboard_core::clock::ClockCorrelation;
-use onboard_core::forecast::{Forecast, ForecastStep};
+use onboard_core::forecast::{Forecast, ForecastStep, NextVisit};
 use onboard_core::frame::{Boresight, Detector};
 use onboard_core::hwp::hwp_phase;
 use onboard_core::phase::{Phase, Rotor};
@@ -17,7 +17,11 @@ use onboard_core::rotation::Rotation;
 use onboard_core::saved_visits::visits_record_bytes;
 use onboard_core::scan::{ScanParameters, ScanStrategy};
 use onboard_core::sequencer::{
-    AbortReason, Event, EventQueue, Progress, ScanEstimate, Sequencer, Settings, Situation,
+    AbortReason, Event, EventQueue, Progress, ScanEstimate, Sequencer, Settings, Situation, Tick,
+};
+use onboard_core::telemetry::{
+    ClockInUse, EventReport, HOUSEKEEPING_BYTES, Housekeeping, Origin, PacketHeader, TablesInUse,
+    TrackerHealth, VisitToCome,
 };
 use onboard_core::time::{Duration, Instant};
 use onboard_core::tracking::{Measurement, Tracker, TrackerSettings};
@@ -263,6 +267,8 @@ struct Day<'a> {
     tracker: Tracker,
     sequencer: Sequencer,
     events: EventQueue<64>,
+    /// What the last tick brought.
+    last: Option<Tick>,
 }
 
 impl<'a> Day<'a> {
@@ -301,6 +307,7 @@ impl<'a> Day<'a> {
             tracker: Tracker::new(&believed, &settings, from).expect("legal settings"),
             sequencer,
             events: EventQueue::new(),
+            last: None,
         }
     }
 
@@ -347,6 +354,10 @@ impl<'a> Day<'a> {
                 }
             }
             started += self.tick(ticks, false, tell);
+            if second % 3600 == 0 {
+                let next = forecast.next()[0];
+                self.report(ticks, next.as_ref(), (&scrub, (second / 3600) as u16), tell);
+            }
         }
         // Damage to the last section, which the scrub must find.
         tell.word("longest", scrub.longest().into());
@@ -355,6 +366,34 @@ impl<'a> Day<'a> {
         self.tick(FIRST_TICK + DAY_S as u64 * TICKS_PER_S, true, tell);
         tell.word("lost", self.events.lost().total().into());
         assert!(started > 0 && forecasts > 0 && !going, "{started} {forecasts} {going}");
+    }
+
+    /// Housekeeping in a packet.
+    fn report(
+        &self,
+        ticks: u64,
+        next: Option<&NextVisit>,
+        (scrub, count): (&Scrub<'_>, u16),
+        tell: &mut Teller,
+    ) {
+        let (telescope, spacecraft) = (targets(&self.tables)[0].1, self.tables.header().spacecraft);
+        let origin = Origin::new(spacecraft, telescope, ticks, Some(&self.clock));
+        let housekeeping = Housekeeping {
+            origin,
+            tick: self.last.expect("after a tick"),
+            tables: Some(TablesInUse::of(&self.tables)),
+            tables_damaged: false,
+            clock: Some(ClockInUse::of(&self.clock)),
+            lost: self.events.lost(),
+            tracker: Some(TrackerHealth::of(&self.tracker, origin.at.expect("a valid clock"))),
+            scrub: Some(scrub.progress()),
+            visit: next.map(|next| VisitToCome::of(next, 0)),
+        };
+        let data_bytes_less_one = HOUSEKEEPING_BYTES as u16 - 1;
+        let header =
+            PacketHeader { apid: 291, secondary_header: false, count, data_bytes_less_one };
+        let packet = [&header.to_be_bytes()[..], &housekeeping.to_be_bytes()].concat();
+        tell.record("packet", &packet);
     }
 
     fn measure(&mut self, now: Instant, tell: &mut Teller) {
@@ -378,6 +417,7 @@ impl<'a> Day<'a> {
             scan: ScanEstimate::Tracked(&self.tracker),
         };
         let tick = self.sequencer.tick(&situation, &mut self.events);
+        self.last = Some(tick);
         tell.state(tick.state);
         tell.word("evaluations", tick.evaluations.into());
         tell.word(
@@ -389,7 +429,10 @@ impl<'a> Day<'a> {
             },
         );
         let mut started = 0;
+        let (telescope, spacecraft) = (targets(&self.tables)[0].1, self.tables.header().spacecraft);
         while let Some(stamped) = self.events.pop() {
+            let report = EventReport::new(&stamped, spacecraft, telescope, Some(&self.clock));
+            tell.record("telemetry", &report.to_be_bytes());
             let (kind, session, (reason, value)) = match stamped.event {
                 Event::Entered(_) => (1, 0, (0, 0)),
                 Event::Started(session, _) => (2, session, (0, 0)),

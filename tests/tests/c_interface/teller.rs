@@ -84,6 +84,6 @@ pub fn skip(reason: SkipReason) -> (u64, i64) {
         SkipReason::Passes(number) => (186, number.into()),
         SkipReason::Avoidance(body) => (187, body.into()),
         SkipReason::Uncertain(by) => (188, by.ns()),
-        other @ SkipReason::Ephemeris(_) => panic!("not on this flight: {other:?}"),
+        other => panic!("not on this flight: {other:?}"),
     }
 }

@@ -55,7 +55,7 @@ fn busiest(tables: &Tables<'_>) -> (u16, Vec<SessionRecord>) {
 fn clock(tables: &Tables<'_>) -> ClockCorrelation {
     ClockCorrelation {
         sequence: 1,
-        spacecraft: 1,
+        spacecraft: tables.header().spacecraft,
         uncertainty_ns: 0,
         ticks: u64::MAX - 1000,
         at: tables.header().valid_from,

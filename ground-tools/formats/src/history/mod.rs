@@ -34,8 +34,10 @@ mod row;
 mod table;
 mod meta;
 mod aem;
+mod residuals;
 
 pub use error::HistoryError;
+pub use residuals::{ARCSECONDS_PER_RADIAN, Residual, residual_columns, residuals};
 pub use row::Row;
 
 use ephem::ccsds::Axes;

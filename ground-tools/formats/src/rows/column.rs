@@ -41,6 +41,10 @@ pub enum Field<R> {
     Utc(fn(&R) -> Instant),
     /// An instant, told in TDB.
     Tdb(fn(&R) -> Instant),
+    /// An instant, told in UTC, where it is known.
+    MaybeUtc(fn(&R) -> Option<Instant>),
+    /// An instant, told in TDB, where it is known.
+    MaybeTdb(fn(&R) -> Option<Instant>),
 }
 
 impl<R> Field<R> {
@@ -54,6 +58,8 @@ impl<R> Field<R> {
             Self::Word(of) => of(row).map_or(Cell::None, Cell::Word),
             Self::Utc(of) => Cell::Utc(of(row)),
             Self::Tdb(of) => Cell::Tdb(of(row)),
+            Self::MaybeUtc(of) => of(row).map_or(Cell::None, Cell::Utc),
+            Self::MaybeTdb(of) => of(row).map_or(Cell::None, Cell::Tdb),
         }
     }
 }

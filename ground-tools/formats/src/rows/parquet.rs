@@ -82,8 +82,8 @@ fn schema<R>(columns: &[Column<R>]) -> Result<TypePtr, ParquetError> {
             Field::Truth(_) | Field::Word(_) => {
                 (PhysicalType::BYTE_ARRAY, Some(LogicalType::String))
             }
-            Field::Utc(_) => (PhysicalType::INT64, timestamp(true)),
-            Field::Tdb(_) => (PhysicalType::INT64, timestamp(false)),
+            Field::Utc(_) | Field::MaybeUtc(_) => (PhysicalType::INT64, timestamp(true)),
+            Field::Tdb(_) | Field::MaybeTdb(_) => (PhysicalType::INT64, timestamp(false)),
         };
         let field = Type::primitive_type_builder(column.name, physical)
             .with_repetition(Repetition::OPTIONAL)
@@ -125,9 +125,12 @@ impl<R> From<&Column<R>> for Values {
     fn from(column: &Column<R>) -> Self {
         let held = match column.field {
             Field::Number(_) => Held::Numbers(Vec::new()),
-            Field::Whole(_) | Field::Count(_) | Field::Utc(_) | Field::Tdb(_) => {
-                Held::Wholes(Vec::new())
-            }
+            Field::Whole(_)
+            | Field::Count(_)
+            | Field::Utc(_)
+            | Field::Tdb(_)
+            | Field::MaybeUtc(_)
+            | Field::MaybeTdb(_) => Held::Wholes(Vec::new()),
             Field::Truth(_) | Field::Word(_) => Held::Words(Vec::new()),
         };
         Self { levels: Vec::new(), held }

@@ -253,7 +253,7 @@ fn zero_row(name: &str) -> &'static str {
 fn line(it: &SightLine) -> String {
     let (is_rectangle, field) = match it.field.shape() {
         FieldShape::Circle(radius) => (0, [radius, 0.0]),
-        FieldShape::Rectangle(width, height) => (1, [width, height]),
+        FieldShape::Rectangle { width_rad, height_rad } => (1, [width_rad, height_rad]),
     };
     let plate = it.hwp.map_or_else(|| ["0", "0", "0"].map(str::to_owned), halves);
     format!(

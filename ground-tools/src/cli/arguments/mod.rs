@@ -14,6 +14,7 @@ mod survey;
 mod resonance;
 mod onboard;
 mod verify;
+mod telemetry;
 mod plan;
 
 pub use figures::FigureArgs;
@@ -24,4 +25,5 @@ pub use plan::{AttitudeSpan, PlanArgs, ProductArgs, ReportArgs, RevisionArgs};
 pub use resonance::{ActuatorArgs, ResonanceArgs};
 pub use sight::SightArgs;
 pub use survey::{SkyFrame, SurveyArgs};
+pub use telemetry::{DecodeArgs, Only, TelemetryVerb};
 pub use verify::{Against, ReferenceFrame, VerifyArgs};

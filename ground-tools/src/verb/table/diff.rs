@@ -5,12 +5,12 @@
 //! one is the flight core's own answer at the start of the common validity.
 
 use super::container::{load, read};
-use super::words::{avoidance_told, hex, name};
+use super::words::{avoidance_told, hex};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
 use crate::verb::told::{print_json, tell};
 use ephem::fit::MILLIARCSECOND_RAD;
-use formats::uplink::{refusal_told, slot_image, span_told, told};
+use formats::uplink::{body_told, refusal_told, slot_image, span_told, told};
 use onboard_core::time::{Duration, Instant};
 use onboard_core::uplink::{SessionRecord, Slots, Tables, slot_bytes};
 use serde_json::{Value, json};
@@ -68,7 +68,7 @@ pub(super) fn run(shared: &SharedArgs, old_file: &Path, new_file: &Path) -> Resu
             .map(|it| {
                 json!({
                     "body": it.body,
-                    "name": name(it.body),
+                    "name": body_told(it.body),
                     "in": match it.max_difference_rad { Some(_) => "both", None if it.in_old => "old", None => "new" },
                     "max_difference_mas": it.max_difference_rad.map(|rad| rad / MILLIARCSECOND_RAD),
                 })
@@ -99,10 +99,10 @@ pub(super) fn run(shared: &SharedArgs, old_file: &Path, new_file: &Path) -> Resu
         let _ = match it.max_difference_rad {
             Some(rad) => {
                 let mas = rad / MILLIARCSECOND_RAD;
-                writeln!(text, "{}: directions differ by at most {mas:.3} mas", name(it.body))
+                writeln!(text, "{}: directions differ by at most {mas:.3} mas", body_told(it.body))
             }
-            None if it.in_old => writeln!(text, "{}: no longer there", name(it.body)),
-            None => writeln!(text, "{}: new", name(it.body)),
+            None if it.in_old => writeln!(text, "{}: no longer there", body_told(it.body)),
+            None => writeln!(text, "{}: new", body_told(it.body)),
         };
     }
     let _ = writeln!(

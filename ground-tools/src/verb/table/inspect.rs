@@ -1,12 +1,12 @@
 //! `gyrfalcon table inspect`: what a container, a clock correlation or an order holds.
 
 use super::container::{load, read};
-use super::words::{avoidance_told, hex, name};
+use super::words::{avoidance_told, hex};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
 use crate::verb::told::{print_json, tell};
 use ephem::time::format_tdb;
-use formats::uplink::span_told;
+use formats::uplink::{body_told, span_told};
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
 use onboard_core::ephemeris::Span;
 use onboard_core::uplink::{
@@ -37,7 +37,7 @@ pub(super) fn run(shared: &SharedArgs, file: &Path) -> Result<(), Failure> {
             .map(|span| {
                 json!({
                     "body": span.body,
-                    "name": name(span.body),
+                    "name": body_told(span.body),
                     "start_tai_ns": span.start.tai_ns(),
                     "granules": span.granules,
                     "granule_ns": span.granule_ns,
@@ -94,7 +94,7 @@ pub(super) fn run(shared: &SharedArgs, file: &Path) -> Result<(), Failure> {
         let _ = writeln!(
             text,
             "{:<18} {:>8} {:>12.3} {:>6}  {}",
-            name(span.body),
+            body_told(span.body),
             span.granules,
             granule.seconds() / 86_400.0,
             span.coefficients,

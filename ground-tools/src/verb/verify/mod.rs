@@ -1,6 +1,5 @@
 //! `gyrfalcon verify`: an attitude history against the mission.
 
-mod residuals;
 mod report;
 
 use super::asked::world;
@@ -12,7 +11,7 @@ use crate::failure::Failure;
 use crate::output::Sink;
 use ephem::apparent::OBLIQUITY_ARCSEC;
 use ephem::time::format_tdb;
-use formats::history::{History, Reference};
+use formats::history::{ARCSECONDS_PER_RADIAN, History, Reference, residual_columns, residuals};
 use formats::rows::{self, Layout};
 use onboard_core::frame::{Detector, Ecliptic, Icrf};
 use onboard_core::rotation::Rotation;
@@ -21,7 +20,6 @@ use planner::provenance::Provenance;
 use planner::world::TableFault;
 use planner::world::World;
 use report::Report;
-use residuals::{ARCSECONDS_PER_RADIAN, columns, residuals};
 use std::io::Read;
 use std::path::Path;
 
@@ -53,7 +51,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
         let layout = Layout {
             format: shared.format.unwrap_or(Format::Csv).of_rows()?,
             provenance: &provenance,
-            columns: &columns(),
+            columns: &residual_columns(),
         };
         let all = rows.iter().map(Ok::<_, Failure>);
         sink(shared).write_with(|out| rows::write(out, all, &layout))?;

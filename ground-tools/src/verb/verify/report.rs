@@ -3,11 +3,10 @@
 //! A period counts as within tolerance when the mission's half-width holds the fitted value with
 //! three standard errors on both sides, as outside when it holds none of that, else it is undecided.
 
-use super::residuals::{ARCSECONDS_PER_RADIAN, Row};
 use crate::failure::Failure;
 use ephem::time::format_tdb;
 use formats::degrees;
-use formats::history::History;
+use formats::history::{ARCSECONDS_PER_RADIAN, History, Residual};
 use formats::resonance;
 use mission::number::Number;
 use onboard_core::phase::Rotor;
@@ -32,7 +31,7 @@ const SHOWN: usize = 8;
 pub(super) struct Report<'r> {
     world: &'r World,
     history: &'r History,
-    rows: &'r [Row],
+    rows: &'r [Residual],
     fit: Result<Fit, (&'static str, Ambiguous)>,
     limit_arcsec: f64,
     against_fit: bool,
@@ -108,7 +107,7 @@ impl<'r> Report<'r> {
     pub(super) fn new(
         world: &'r World,
         history: &'r History,
-        rows: &'r [Row],
+        rows: &'r [Residual],
         (fit, limit_arcsec, against_fit): (Result<Fit, (&'static str, Ambiguous)>, f64, bool),
     ) -> Self {
         let steps: Vec<i64> =
@@ -190,11 +189,11 @@ impl<'r> Report<'r> {
                 }
             }
         }
-        let judged = |row: &&Row| !self.against_fit || !row.outlier;
-        let size = |row: &Row| {
+        let judged = |row: &&Residual| !self.against_fit || !row.outlier;
+        let size = |row: &Residual| {
             if self.against_fit { row.fit_arcsec.unwrap_or(0.0) } else { row.residual_arcsec }
         };
-        let beyond: Vec<&Row> =
+        let beyond: Vec<&Residual> =
             self.rows.iter().filter(judged).filter(|row| size(row) > self.limit_arcsec).collect();
         let worst = beyond.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
         if let Some(worst) = worst {
@@ -222,7 +221,7 @@ impl<'r> Report<'r> {
         (Spread::of(all), self.fit.is_ok().then(|| Spread::of(fitted)))
     }
 
-    fn outliers(&self) -> impl Iterator<Item = &Row> {
+    fn outliers(&self) -> impl Iterator<Item = &Residual> {
         self.rows.iter().filter(|row| row.outlier)
     }
 

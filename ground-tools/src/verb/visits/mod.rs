@@ -7,7 +7,7 @@
 mod figures;
 
 use super::asked::{sun_table, world};
-use super::delivered::{clipped, sink};
+use super::delivered::sink;
 use super::told::{print_json, tell};
 use crate::cli::places::{FixedPlace, Numbering, PlaceShape, direction};
 use crate::cli::quantities::rate_hz;
@@ -19,7 +19,7 @@ use ephem::time::format_tdb;
 use figures::Setting;
 use formats::rows::Field::{Number, Tdb, Whole, Word};
 use formats::rows::{self, Column, Layout};
-use formats::visits::{Mark, Report, marks, text};
+use formats::visits::{Mark, Report, clipped, marks, text};
 use num_traits::{Signed, ToPrimitive, Zero};
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::time::{Duration, Instant};

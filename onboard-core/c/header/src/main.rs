@@ -12,7 +12,7 @@ fn main() -> ExitCode {
     };
     let sources = ["error", "clock", "tables", "slots", "flash", "scrub", "attitude"]
         .into_iter()
-        .chain(["tracker", "transits", "forecast", "sequencer", "visits"]);
+        .chain(["tracker", "transits", "forecast", "sequencer", "telemetry", "visits"]);
     let mut builder = cbindgen::Builder::new().with_config(config);
     for source in sources {
         builder = builder.with_src(library.join("src").join(source).with_extension("rs"));

@@ -38,7 +38,7 @@ pub(crate) fn lay_out(
             let (u, v) = (f64::from(row) * spacing_rad, f64::from(column) * spacing_rad);
             let (r, a) = match shape {
                 FieldShape::Circle(_) => (u.hypot(v), v.atan2(u)),
-                FieldShape::Rectangle(..) => {
+                FieldShape::Rectangle { .. } => {
                     let (x, y) = (u.tan(), v.tan());
                     (x.hypot(y).atan(), y.atan2(x))
                 }
@@ -56,10 +56,15 @@ fn at(r: f64, a: f64) -> Rotation<Detector, Telescope> {
         .then(Rotation::about_z(a))
 }
 
+/// A shape in steps.
+enum Extent {
+    Circle { radius: f64 },
+    Rectangle { half_width: f64, half_height: f64 },
+}
+
 /// Rows of equal u, each symmetric about v = 0.
 struct Rows {
-    /// The shape in steps.
-    shape: FieldShape,
+    extent: Extent,
     /// The last row; the first is its negative.
     last: i32,
 }
@@ -67,27 +72,28 @@ struct Rows {
 impl Rows {
     fn new(shape: FieldShape, spacing_rad: f64) -> Self {
         let steps = |angle: f64| angle / spacing_rad * SLACK;
-        let shape = match shape {
-            FieldShape::Circle(radius) => FieldShape::Circle(steps(radius)),
-            FieldShape::Rectangle(width, height) => {
-                FieldShape::Rectangle(steps(0.5 * width), steps(0.5 * height))
-            }
+        let extent = match shape {
+            FieldShape::Circle(radius_rad) => Extent::Circle { radius: steps(radius_rad) },
+            FieldShape::Rectangle { width_rad, height_rad } => Extent::Rectangle {
+                half_width: steps(0.5 * width_rad),
+                half_height: steps(0.5 * height_rad),
+            },
         };
-        let last = match shape {
-            FieldShape::Circle(radius) => whole(radius),
-            FieldShape::Rectangle(_, height) => whole(height),
+        let last = match extent {
+            Extent::Circle { radius } => whole(radius),
+            Extent::Rectangle { half_height, .. } => whole(half_height),
         };
-        Self { shape, last }
+        Self { extent, last }
     }
 
     /// Steps from v = 0 to the last detector of a row.
     fn half(&self, row: i32) -> i32 {
-        match self.shape {
-            FieldShape::Circle(radius) => {
+        match self.extent {
+            Extent::Circle { radius } => {
                 let u = f64::from(row);
                 whole((radius * radius - u * u).max(0.0).sqrt() * SLACK)
             }
-            FieldShape::Rectangle(width, _) => whole(width),
+            Extent::Rectangle { half_width, .. } => whole(half_width),
         }
     }
 
@@ -103,10 +109,10 @@ impl Rows {
 
     /// About as many, from the area.
     fn estimate(&self) -> f64 {
-        match self.shape {
-            FieldShape::Circle(radius) => (std::f64::consts::PI * radius * radius).round(),
-            FieldShape::Rectangle(width, height) => {
-                ((2.0 * width.floor() + 1.0) * (2.0 * height.floor() + 1.0)).round()
+        match self.extent {
+            Extent::Circle { radius } => (std::f64::consts::PI * radius * radius).round(),
+            Extent::Rectangle { half_width, half_height } => {
+                ((2.0 * half_width.floor() + 1.0) * (2.0 * half_height.floor() + 1.0)).round()
             }
         }
     }
@@ -130,6 +136,10 @@ mod tests {
         angle.to_radians()
     }
 
+    fn rectangle(width_deg: f64, height_deg: f64) -> FieldShape {
+        FieldShape::Rectangle { width_rad: degrees(width_deg), height_rad: degrees(height_deg) }
+    }
+
     fn directions(shape: FieldShape, spacing_deg: f64) -> Vec<[f64; 3]> {
         let grid = lay_out(shape, degrees(spacing_deg)).unwrap();
         grid.iter().map(|it| it.apply(Direction::Z).xyz()).collect()
@@ -138,7 +148,7 @@ mod tests {
     #[test]
     fn a_rectangle_is_filled_to_its_edges() {
         // 18 deg along y, 8 deg along x, every 2 deg: 9 columns from -8 to 8, 5 rows from -4 to 4.
-        let found = directions(FieldShape::Rectangle(degrees(18.0), degrees(8.0)), 2.0);
+        let found = directions(rectangle(18.0, 8.0), 2.0);
         assert_eq!(found.len(), 45);
         let rows = [-4.0, -2.0, 0.0, 2.0, 4.0];
         let columns = [-8.0, -6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0, 8.0];
@@ -168,7 +178,7 @@ mod tests {
     fn a_detector_stands_as_the_flight_core_would_place_it() {
         for (shape, spacing) in [
             (FieldShape::Circle(degrees(14.0)), degrees(3.0)),
-            (FieldShape::Rectangle(degrees(18.0), degrees(8.0)), degrees(1.5)),
+            (rectangle(18.0, 8.0), degrees(1.5)),
             (FieldShape::Circle(3.1), 0.4),
         ] {
             for detector in lay_out(shape, spacing).unwrap() {
@@ -187,7 +197,7 @@ mod tests {
         assert_eq!(lay_out(shape, degrees(0.25)).unwrap().len(), 9845);
         assert!(lay_out(shape, degrees(0.2)).unwrap_err().0 > 15_000.0);
         assert!(lay_out(shape, 1e-300).unwrap_err().0 > 1e100);
-        let row = FieldShape::Rectangle(degrees(179.0), degrees(0.1));
+        let row = rectangle(179.0, 0.1);
         assert_eq!(lay_out(row, degrees(0.02)).unwrap_err(), TooMany(8951.0 * 5.0));
     }
 }

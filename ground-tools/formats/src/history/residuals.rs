@@ -1,8 +1,8 @@
 //! How far each attitude of a history is off the mission, and off the fit.
 
-use formats::history::History;
-use formats::rows::Column;
-use formats::rows::Field::{Count, Number, Tdb, Truth, Whole};
+use super::History;
+use crate::rows::Column;
+use crate::rows::Field::{Count, Number, Tdb, Truth, Whole};
 use onboard_core::attitude::attitude;
 use onboard_core::ephemeris::EphemerisError;
 use onboard_core::frame::{Boresight, Ecliptic};
@@ -13,27 +13,41 @@ use planner::history_fit::rotation_vector;
 use planner::history_fit::{Fit, Measured};
 use planner::world::World;
 
-pub(super) const ARCSECONDS_PER_RADIAN: f64 = 3600.0 * 180.0 / std::f64::consts::PI;
+/// Arcseconds in a radian.
+pub const ARCSECONDS_PER_RADIAN: f64 = 3600.0 * 180.0 / std::f64::consts::PI;
 
 /// One row's residuals.
 #[derive(Debug)]
-pub(super) struct Row {
-    pub(super) line: usize,
-    pub(super) elapsed_s: f64,
-    pub(super) at: Instant,
-    pub(super) residual_x_arcsec: f64,
-    pub(super) residual_y_arcsec: f64,
-    pub(super) residual_z_arcsec: f64,
-    pub(super) residual_arcsec: f64,
-    pub(super) fit_x_arcsec: Option<f64>,
-    pub(super) fit_y_arcsec: Option<f64>,
-    pub(super) fit_z_arcsec: Option<f64>,
-    pub(super) fit_arcsec: Option<f64>,
-    pub(super) outlier: bool,
+pub struct Residual {
+    /// Line in the file.
+    pub line: usize,
+    /// Seconds of the scan clock.
+    pub elapsed_s: f64,
+    /// When it was.
+    pub at: Instant,
+    /// About x, against the mission.
+    pub residual_x_arcsec: f64,
+    /// About y, against the mission.
+    pub residual_y_arcsec: f64,
+    /// About z, against the mission.
+    pub residual_z_arcsec: f64,
+    /// The whole, against the mission.
+    pub residual_arcsec: f64,
+    /// About x, against the fit.
+    pub fit_x_arcsec: Option<f64>,
+    /// About y, against the fit.
+    pub fit_y_arcsec: Option<f64>,
+    /// About z, against the fit.
+    pub fit_z_arcsec: Option<f64>,
+    /// The whole, against the fit.
+    pub fit_arcsec: Option<f64>,
+    /// The fit did not use it.
+    pub outlier: bool,
 }
 
 /// The columns of a file of them.
-pub(super) fn columns<'r>() -> [Column<&'r Row>; 13] {
+#[must_use]
+pub fn residual_columns<'r>() -> [Column<&'r Residual>; 13] {
     [
         Column::new("line", Count(|it| u64::try_from(it.line).ok())),
         Column::new("elapsed_s", Number(|it| Some(it.elapsed_s))),
@@ -52,12 +66,15 @@ pub(super) fn columns<'r>() -> [Column<&'r Row>; 13] {
 }
 
 /// Each row's rotation from the model's to the measured attitude, about the boresight frame's axes.
-pub(super) fn residuals(
+///
+/// # Errors
+/// [`EphemerisError`] where the Sun's table has no direction.
+pub fn residuals(
     world: &World,
     sun: &SunModel<'_>,
     (history, measured): (&History, &[Measured]),
     fitted: Option<&Fit>,
-) -> Result<Vec<Row>, EphemerisError> {
+) -> Result<Vec<Residual>, EphemerisError> {
     let vector = |model: Rotation<Boresight, Ecliptic>, seen: Rotation<Boresight, Ecliptic>| {
         // Seen = error, then model.
         rotation_vector(seen.then(model.inverse())).map(|it| it * ARCSECONDS_PER_RADIAN)
@@ -74,7 +91,7 @@ pub(super) fn residuals(
                 Some(fit) => Some(vector(fit.attitude(&world.scan, sun, row.at)?, seen.attitude)),
                 None => None,
             };
-            Ok(Row {
+            Ok(Residual {
                 line: row.line,
                 elapsed_s: world.scan.elapsed(row.at).seconds(),
                 at: row.at,
