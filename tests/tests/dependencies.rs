@@ -59,7 +59,7 @@ fn what_stands_apart_links_the_same_arithmetic() {
         "tests/rtos/Cargo.lock",
     ] {
         let theirs = versions(lock);
-        for name in ["nalgebra", "libm", "heapless", "serde", "simba", "num-traits"] {
+        for name in ["nalgebra", "libm", "heapless", "crc", "serde", "simba", "num-traits"] {
             let found = theirs.get(name).unwrap_or_else(|| panic!("{name} is not in {lock}"));
             let [version] = &found[..] else { panic!("{name} twice in {lock}") };
             assert!(ours[name].contains(version), "{name} {version} in {lock}, {:?}", ours[name]);
