@@ -3,6 +3,7 @@
 //! Modules stand in the order that data flows: the command line, how a command may fail, where results
 //! go, pictures and the report, and one module per verb.
 
+pub mod message;
 pub mod failure;
 pub mod cli;
 pub mod output;

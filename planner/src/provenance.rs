@@ -98,6 +98,29 @@ impl Provenance {
         ];
         let lines =
             lines.into_iter().filter_map(|(key, value)| Some((key, value?.as_str().into())));
-        lines.chain(files)
+        lines.chain(files).map(|(key, value)| (key, on_one_line(value)))
+    }
+}
+
+/// A text without characters that end lines or turn their direction: these are escaped.
+fn on_one_line(text: Cow<'_, str>) -> Cow<'_, str> {
+    let is_bad =
+        |c: char| c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    if !text.contains(is_bad) {
+        return text;
+    }
+    let escaped =
+        text.chars().map(|c| if is_bad(c) { c.escape_default().collect() } else { c.to_string() });
+    Cow::from(escaped.collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_with_a_line_end_stays_on_its_line() {
+        assert_eq!(on_one_line("a\nb\u{202e}c".into()), "a\\nb\\u{202e}c");
+        assert!(matches!(on_one_line("plain".into()), Cow::Borrowed(_)));
     }
 }

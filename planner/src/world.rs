@@ -23,22 +23,26 @@
 
 use ephem::apparent::{Corrections, Sky, SkyError};
 use ephem::fit::{FitError, FitOptions, FittedTable, fit};
-use ephem::kernel::{Kernel, KernelError};
+use ephem::kernel::{EARTH_MOON_BARYCENTER, Kernel, KernelError};
 use ephem::source::{Place, Source, SourceError};
 use ephem::time::{TimeError, format_tdb, parse_time};
 use ephem::trajectory::{Trajectory, TrajectoryError};
 use mission::calibration::{CalibrationSource, SourceDirection};
 use mission::digest::sha256_hex;
 use mission::orbit::{Observer, Trajectory as TrajectoryKey};
-use mission::{FilePath, Mission, rounding};
+use mission::{FilePath, Mission, in_any_case, meant, rounding};
 use onboard_core::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SUN};
 use onboard_core::phase::{Phase, Rotor};
 use onboard_core::scan::{ScanError, ScanStrategy};
 use onboard_core::sun::SunModel;
-use onboard_core::time::Instant;
+use onboard_core::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+
+/// Beyond this distance from the Earth a trajectory is warned of.
+const FAR_AU: f64 = 0.1;
+const KM_PER_AU: f64 = 149_597_870.7;
 
 /// A mission with its sky.
 #[derive(Debug)]
@@ -105,7 +109,7 @@ pub enum WorldError {
     #[error(transparent)]
     Fit(#[from] FitError),
     /// A target that the mission does not have.
-    #[error("{name} is none of the mission's targets: one of {} is needed", known.join(", "))]
+    #[error("{name} is none of the mission's targets: one of {} is needed{}", known.join(", "), meant(name, known).map_or(String::new(), |it| format!(" (did you mean {it}?)")))]
     NoSuchTarget {
         /// The target.
         name: String,
@@ -217,13 +221,17 @@ impl World {
             });
         }
         if !names.is_empty() {
-            self.targets.retain(|source| names.iter().any(|name| name == source.name()));
+            let known: Vec<String> = self.targets.iter().map(|it| it.name().to_owned()).collect();
+            let kept: Vec<&str> =
+                names.iter().filter_map(|name| in_any_case(name, &known)).collect();
+            self.targets.retain(|source| kept.contains(&source.name()));
         }
         Ok(())
     }
 
-    fn target(&self, name: &str) -> Option<&Source> {
-        self.targets.iter().find(|source| source.name() == name)
+    fn target(&self, name: &str) -> Option<&str> {
+        let known: Vec<&str> = self.targets.iter().map(Source::name).collect();
+        in_any_case(name, &known)
     }
 
     /// All whose directions go on board: the targets, and what is avoided without being one.
@@ -236,6 +244,27 @@ impl World {
             }
         }
         sources
+    }
+
+    /// What should be known of the trajectory: it goes far from the Earth, as one in the wrong unit does.
+    #[must_use]
+    pub fn far_trajectory(&self) -> Option<String> {
+        let TrajectoryKey::File(_) = &self.mission.orbit.trajectory else { return None };
+        let kernel = &self.sky.kernel;
+        let distance_au = |at: Instant| {
+            let there = self.sky.trajectory.state(kernel, at).ok()?.position_km;
+            let earth = kernel.state(EARTH_MOON_BARYCENTER, at).ok()?.position_km;
+            Some(((there - earth).norm() / KM_PER_AU, at))
+        };
+        let middle = self.start.plus(Duration::from_ns(self.end.since(self.start).ns() / 2));
+        let far = [self.start, middle, self.end].into_iter().filter_map(distance_au);
+        let (au, at) = far.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|it| it.0 > FAR_AU)?;
+        Some(format!(
+            "the trajectory {} is {au:.3} au from the Earth at {} TDB (L2 is 0.01 au away): are its \
+             positions in km?",
+            self.sky.trajectory.name(),
+            format_tdb(at)
+        ))
     }
 
     /// Fits the table of the Sun, the targets and the bodies to avoid over the mission.

@@ -16,7 +16,9 @@ pub(super) fn mission(shared: &SharedArgs) -> Result<Mission, Failure> {
 
 /// The mission of the command line among the planets.
 pub(super) fn world(shared: &SharedArgs) -> Result<World, Failure> {
-    Ok(World::open(mission(shared)?, shared.ephemeris.as_deref())?)
+    let world = World::open(mission(shared)?, shared.ephemeris.as_deref())?;
+    warn(shared, world.far_trajectory().as_slice());
+    Ok(world)
 }
 
 /// The Sun's fitted directions, for those that sample or search them.

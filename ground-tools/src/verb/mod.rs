@@ -19,10 +19,10 @@ mod table;
 mod plan;
 mod report;
 
-use crate::cli::{Cli, Verb};
+use crate::cli::{Cli, SharedArgs, Verb};
 use crate::failure::Failure;
 use clap::CommandFactory;
-use delivered::sink;
+use delivered::{form, sink};
 
 /// Does what the command line says.
 ///
@@ -30,6 +30,7 @@ use delivered::sink;
 /// [`Failure`] with the exit code and a sentence.
 pub fn run(cli: &Cli) -> Result<(), Failure> {
     let shared = &cli.shared;
+    check_form(shared, &cli.verb)?;
     match &cli.verb {
         Verb::Missions(arguments) => missions::run(shared, arguments),
         Verb::Constraints => constraints::run(shared),
@@ -49,5 +50,28 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
             clap_complete::generate(*shell, &mut Cli::command(), "gyrfalcon", &mut script);
             sink(shared).write(&script)
         }
+    }
+}
+
+/// Refuses a form of rows where none are written, and one that `--out` does not say, before the work.
+fn check_form(shared: &SharedArgs, verb: &Verb) -> Result<(), Failure> {
+    let has_rows = match verb {
+        Verb::Pointing(_)
+        | Verb::Transits(_)
+        | Verb::Visits(_)
+        | Verb::Vectors(_)
+        | Verb::Verify(_)
+        | Verb::Telemetry(_) => true,
+        Verb::Resonance(arguments) => arguments.scan.is_some(),
+        _ => false,
+    };
+    match (has_rows, shared.format) {
+        (true, _) => form(shared).map(drop),
+        (false, Some(_)) => Err(Failure::Input(
+            "--format is the form of rows, and none are written here: pointing, transits, visits, \
+             vectors, verify, telemetry and resonance --scan write them"
+                .to_owned(),
+        )),
+        (false, None) => Ok(()),
     }
 }

@@ -28,11 +28,12 @@
 
 use crate::fault::{Problem, Warning};
 use crate::file_path::FilePath;
+use crate::names::in_any_case;
 use crate::number::Number;
 use crate::reading::canon::toml_string;
 use crate::reading::document::{Node, Value};
 use crate::reading::range::Range;
-use crate::reading::section::{Section, duplicates, one_of};
+use crate::reading::section::{Section, duplicates, one_of_meant};
 use crate::rounding;
 use crate::schedule::{Schedule, Weight};
 use num_traits::{One, Zero};
@@ -168,8 +169,10 @@ fn targets(section: &Section<'_>, nodes: &[Node], legal: &[&str]) -> Vec<String>
     let mut targets: Vec<String> = Vec::new();
     for node in nodes {
         let text = Section::text_of(node).unwrap_or_default();
-        if !legal.contains(&text) {
-            section.not_legal("targets", node, &one_of(legal));
+        let found = in_any_case(text, legal);
+        let text = found.unwrap_or(text);
+        if found.is_none() {
+            section.not_legal("targets", node, &one_of_meant(text, legal));
         } else if targets.iter().any(|target| target == text) {
             let problem =
                 Problem::Duplicate { key: section.key("targets"), value: text.to_owned() };

@@ -49,6 +49,6 @@ pub mod occasions;
 pub use file::Override;
 pub use file_path::FilePath;
 pub use mission::{Mission, Product};
-pub use names::nearest_first;
+pub use names::{in_any_case, meant, nearest_first};
 pub use scan::{Scan, Tolerance};
-pub use span::{Span, TimeScale, TimeText};
+pub use span::{Span, TimeText};

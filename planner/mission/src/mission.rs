@@ -115,6 +115,7 @@ impl Mission {
             return Err(MissionError::new(faults));
         };
         let mut warnings = scan.warnings();
+        warnings.extend(scan.near_sun());
         warnings.extend(telescopes.iter().filter_map(|telescope| telescope.warning.clone()));
         warnings.extend(calibration.idle_weights());
         Ok(Self {

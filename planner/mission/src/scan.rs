@@ -120,7 +120,21 @@ impl Scan {
         }
         warnings
     }
+
+    /// Whether the boresight comes near the Sun: at the far side of its circle it is `alpha + beta`
+    /// from the anti-Sun direction.
+    pub(crate) fn near_sun(&self) -> Option<Warning> {
+        let half_turn = BigRational::from_integer(180.into());
+        let closest = half_turn - self.alpha_deg.exact() - self.beta_deg.exact();
+        (closest < BigRational::from_integer(NEAR_SUN_DEG.into())).then(|| Warning::NearSun {
+            closest: Number::from_exact(closest).text().to_owned(),
+            limit: NEAR_SUN_DEG,
+        })
+    }
 }
+
+/// A boresight that comes nearer to the Sun is warned of: no baffle of a telescope in use allows it.
+const NEAR_SUN_DEG: u32 = 45;
 
 /// A rotor of a period in minutes and a start phase in degrees; still for a period of zero, which
 /// only the stand-in of a fault is.

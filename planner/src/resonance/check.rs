@@ -25,7 +25,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::certificate::{Certificate, CertificateError};
+use super::certificate::{Certificate, CertificateError, MOST_MEETINGS};
+use super::coefficients::reach;
 use super::crosslink::Crosslink;
 use super::motion::Tolerance;
 use super::motion::{Motion, YEAR_S};
@@ -179,6 +180,13 @@ impl ResonanceCheck {
     pub fn certify(&mut self) -> Result<Checked, CertificateError> {
         let Self { predictor, motion, demand } = self;
         let motion = motion.checked()?;
+        let meetings = predictor.meetings(&motion, 2.0 * reach(&motion), MOST_MEETINGS);
+        if meetings > MOST_MEETINGS {
+            let (precession_period_s, spin_period_s) =
+                (motion.precession_period_s, motion.spin_period_s);
+            let error = CertificateError::Meetings { precession_period_s, spin_period_s, meetings };
+            return Err(error);
+        }
         let floor = predictor.floor(&motion);
         let limit = [floor, demand.allowed];
         let certificate = predictor.certify(&motion, demand.tolerance, &demand.orbit, limit)?;

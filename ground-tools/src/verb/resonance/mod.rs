@@ -8,8 +8,8 @@ mod options;
 mod figure;
 
 use super::asked::world;
-use super::delivered::{deliver, sink};
-use super::told::{print_json, tell};
+use super::delivered::{answer, answer_json, deliver, sink};
+use super::told::print_json;
 use crate::cli::{ResonanceArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
@@ -120,9 +120,11 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
         lasting,
     };
     if shared.json {
-        print_json(&report.json(&provenance, &files)?)?;
+        let json = report.json(&provenance, &files)?;
+        let told = if scan.is_none() { answer_json(shared, &json) } else { print_json(&json) };
+        told?;
     } else if scan.is_none() {
-        tell(shared, &report.text(&options::scale(arguments), &files))?;
+        answer(shared, &report.text(&options::scale(arguments), &files))?;
     }
     if checked.certificate.passes {
         Ok(())

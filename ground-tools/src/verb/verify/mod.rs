@@ -3,10 +3,10 @@
 mod report;
 
 use super::asked::world;
-use super::delivered::sink;
+use super::delivered::{form, sink};
 use super::told::{print_json, tell};
 use crate::cli::quantities::angle_rad;
-use crate::cli::{Against, Format, ReferenceFrame, SharedArgs, VerifyArgs};
+use crate::cli::{Against, ReferenceFrame, SharedArgs, VerifyArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
 use ephem::apparent::OBLIQUITY_ARCSEC;
@@ -49,7 +49,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
     let provenance = Provenance::of(&world);
     if shared.out.is_some() && !(shared.json && sink(shared) == Sink::Stdout) {
         let layout = Layout {
-            format: shared.format.unwrap_or(Format::Csv).of_rows()?,
+            format: form(shared)?.of_rows()?,
             provenance: &provenance,
             columns: &residual_columns(),
         };
@@ -62,7 +62,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
     if shared.json {
         print_json(&report.json(&provenance)?)?;
     } else if sink(shared) != Sink::Stdout || shared.out.is_none() {
-        tell(shared, &report.text(&name))?;
+        tell(&report.text(&name))?;
     }
     if report.failed.is_empty() {
         Ok(())
