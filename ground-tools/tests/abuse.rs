@@ -216,7 +216,7 @@ fn files_of_two_plans_are_known() {
     let folder = tempfile::tempdir().unwrap();
     let short = ["--duration", "2d", "--mission", "litebird"];
     let plan = |name: &str, more: &[&str]| {
-        good(folder.path(), &[&["plan"], &short[..], more, &["--out", name]].concat());
+        good(folder.path(), &[&["plan"][..], &short, more, &["--out", name]].concat());
     };
     plan("a", &[]);
     plan("b", &["--sequence", "7"]);
@@ -224,7 +224,7 @@ fn files_of_two_plans_are_known() {
     let sums = std::fs::read_to_string(at("a/SHA256SUMS")).unwrap();
     assert!(sums.contains("  uplink.tbl\n") && sums.contains("  timeline.json\n"), "{sums}");
     let report = |name: &str| {
-        run(folder.path(), &[&["report", name], &short[..], &["--out", "r.html"]].concat())
+        run(folder.path(), &[&["report", name][..], &short, &["--out", "r.html"]].concat())
     };
     assert_eq!(report("a").0, 0);
     std::fs::copy(at("b/uplink.tbl"), at("a/uplink.tbl")).unwrap();
@@ -292,19 +292,19 @@ fn trajectories_and_histories_of_the_field_are_read() {
     let here = folder.path();
     let oem = data("histories/ten_decimals_tdb.oem");
     let at = ["--start", "2032-04-01T01:00:00Z", "--duration", "1h", "--at", "0"];
-    good(here, &[&["pointing", "--trajectory", &oem], &at[..]].concat());
+    good(here, &[&["pointing", "--trajectory", &oem][..], &at].concat());
     let at = ["--start", "2032-04-01T01:00:00.1234567890Z", "--duration", "1h", "--at", "0"];
-    good(here, &[&["pointing", "--trajectory", &oem], &at[..]].concat());
+    good(here, &[&["pointing", "--trajectory", &oem][..], &at].concat());
     let at = ["--start", "2032-092T01:00:00Z", "--duration", "1h", "--at", "0"];
-    good(here, &[&["pointing", "--trajectory", &oem], &at[..]].concat());
+    good(here, &[&["pointing", "--trajectory", &oem][..], &at].concat());
     let metres = std::fs::read_to_string(&oem).unwrap().lines().map(in_metres).collect::<String>();
     std::fs::write(here.join("metres.oem"), metres).unwrap();
-    let (code, error) = run(here, &[&["pointing", "--trajectory", "metres.oem"], &at[..]].concat());
+    let (code, error) = run(here, &[&["pointing", "--trajectory", "metres.oem"][..], &at].concat());
     assert!(code != 0 || error.contains("au from the Earth"), "{code} {error}");
     for file in ["gcrf.aem", "icrf_lower.aem"] {
         let history = data(&format!("histories/{file}"));
         let span = ["--start", "2032-04-01T00:00:00 TDB", "--duration", "3h"];
-        good(here, &[&["verify", &history], &span[..]].concat());
+        good(here, &[&["verify", &history][..], &span].concat());
     }
 }
 
@@ -328,6 +328,6 @@ fn periods_that_beat_everywhere_are_not_judged() {
         let spin = format!("scan.spin_period_min={spin}");
         let periods = ["--set", precession.as_str(), "--set", spin.as_str()];
         let told = &["beat at", "pairs of frequencies"];
-        refused(folder.path(), &[&["resonance"], &periods[..]].concat(), told);
+        refused(folder.path(), &[&["resonance"][..], &periods].concat(), told);
     }
 }

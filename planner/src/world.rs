@@ -214,7 +214,7 @@ impl World {
     /// # Errors
     /// [`WorldError`] names the target that the mission does not have.
     pub fn keep_targets(&mut self, names: &[String]) -> Result<(), WorldError> {
-        if let Some(name) = names.iter().find(|name| self.target(name).is_none()) {
+        if let Some(name) = names.iter().find(|name| !self.is_target(name)) {
             return Err(WorldError::NoSuchTarget {
                 name: name.clone(),
                 known: self.targets.iter().map(|it| it.name().to_owned()).collect(),
@@ -229,9 +229,9 @@ impl World {
         Ok(())
     }
 
-    fn target(&self, name: &str) -> Option<&str> {
+    fn is_target(&self, name: &str) -> bool {
         let known: Vec<&str> = self.targets.iter().map(Source::name).collect();
-        in_any_case(name, &known)
+        in_any_case(name, &known).is_some()
     }
 
     /// All whose directions go on board: the targets, and what is avoided without being one.

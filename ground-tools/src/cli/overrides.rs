@@ -117,7 +117,7 @@ mod tests {
         for (arguments, sentence) in [
             (
                 "plan --duration 20",
-                "--duration: 20 has no unit: one of ns, us, ms, s, min, h, d, y is needed",
+                "--duration: 20 has no unit: one of ns, us, ms, s, min, h, d, w, y is needed",
             ),
             (
                 "plan --duration 0d",

@@ -168,7 +168,7 @@ impl Beginning {
 
     fn hint(self) -> &'static str {
         match self {
-            Self::Gzip => " (it is compressed with gzip twice)",
+            Self::Gzip => " (it is compressed with gzip: unpack it first)",
             Self::Hdf5 => " (it is an HDF5 file)",
             Self::Empty => " (it is empty)",
             Self::Other => "",

@@ -130,7 +130,7 @@ impl Opened {
         });
         let last = keywords.integer("LASTPIX").unwrap_or(first.saturating_add(whole.into()));
         // Some count pixels from 1.
-        if listed.is_none() && !([0, 1].contains(&first) && last - first == i64::from(whole)) {
+        if listed.is_none() && !([0, 1].contains(&first) && last.checked_sub(first) == Some(whole.into())) {
             return Err(FitsError::Part { first, last, whole });
         }
         let frame = match keywords.text("COORDSYS").map(str::trim) {

@@ -134,7 +134,7 @@ fn names(groups: &[&[SightLine]]) -> Vec<String> {
         let plain = format!("-{telescope}-{detector}");
         let numbered = (2_usize..).map(|number| format!("{plain}-{number}"));
         let mut all = std::iter::once(plain.clone()).chain(numbered);
-        all.find(|it| taken.insert(it.to_lowercase())).unwrap_or(plain)
+        all.find(|it| taken.insert(it.to_lowercase())).unwrap_or_default()
     };
     groups.iter().map(name).collect()
 }
