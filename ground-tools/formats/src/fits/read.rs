@@ -130,7 +130,9 @@ impl Opened {
         });
         let last = keywords.integer("LASTPIX").unwrap_or(first.saturating_add(whole.into()));
         // Some count pixels from 1.
-        if listed.is_none() && !([0, 1].contains(&first) && last.checked_sub(first) == Some(whole.into())) {
+        if listed.is_none()
+            && !([0, 1].contains(&first) && last.checked_sub(first) == Some(whole.into()))
+        {
             return Err(FitsError::Part { first, last, whole });
         }
         let frame = match keywords.text("COORDSYS").map(str::trim) {
