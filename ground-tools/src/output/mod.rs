@@ -128,7 +128,8 @@ pub fn fill_folder_with_digests(
         let _ = writeln!(digests, "{digest}  {name}");
     }
     let digests = beside(&folder.join(DIGESTS), |out| Ok(out.write_all(digests.as_bytes())?))?;
-    written.rotate_left(1.min(written.len()));
+    let first = written.len().min(1);
+    written.rotate_left(first);
     digests.1.place()?;
     written.into_iter().try_for_each(|(_, written)| written.place())
 }
