@@ -177,7 +177,9 @@ impl Kernel {
                 self.coverage(body).ok_or(chain)
             };
             // Each body is asked only where both are known.
-            let ((start, end), (from, until)) = (known(body)?, known(center)?);
+            let (start, end) = known(body)?;
+            let barycenter = center == SOLAR_SYSTEM_BARYCENTER;
+            let (from, until) = if barycenter { (start, end) } else { known(center)? };
             let (start, end) = (start.max(from), end.min(until));
             if start > end {
                 continue;

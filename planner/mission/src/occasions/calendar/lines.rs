@@ -35,8 +35,8 @@ const ZONE: &str = "X-WR-TIMEZONE";
 /// A file's lines.
 #[derive(Debug)]
 pub(super) struct Lines {
-    /// One property each, lines end in CRLF, keywords are in capitals.
-    pub(super) text: String,
+    /// One for each calendar: one property each, lines end in CRLF, keywords are in capitals.
+    pub(super) texts: Vec<String>,
     /// Numbers of malformed lines that are left out.
     pub(super) malformed: Vec<u64>,
 }
@@ -44,7 +44,7 @@ pub(super) struct Lines {
 impl Lines {
     /// The lines of a file.
     pub(super) fn of(bytes: &[u8]) -> Result<Self, CalendarError> {
-        let mut lines = Self { text: String::new(), malformed: Vec::new() };
+        let mut lines = Self { texts: Vec::new(), malformed: Vec::new() };
         let mut open: Vec<String> = Vec::new();
         let (mut begun, mut ended) = (0, 0);
         let mut first = true;
@@ -72,6 +72,10 @@ impl Lines {
             let mut value = value.to_owned();
             match name.as_str() {
                 "BEGIN" => {
+                    // The reader of components takes one calendar at a time.
+                    if open.is_empty() {
+                        lines.texts.push(String::new());
+                    }
                     begun += 1;
                     value = value.trim().to_ascii_uppercase();
                     open.push(value.clone());
@@ -89,7 +93,9 @@ impl Lines {
                 _ => {}
             }
             for part in [&name, parameters, ":", &value, "\r\n"] {
-                lines.text.push_str(part);
+                if let Some(text) = lines.texts.last_mut() {
+                    text.push_str(part);
+                }
             }
         }
         match (first, open.is_empty()) {
@@ -142,7 +148,7 @@ mod tests {
     use super::*;
 
     fn text(of: &[u8]) -> String {
-        Lines::of(of).unwrap().text
+        Lines::of(of).unwrap().texts.concat()
     }
 
     #[test]

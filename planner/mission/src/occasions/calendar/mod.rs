@@ -70,7 +70,10 @@ fn end_of_time() -> NaiveDateTime {
 
 fn read_until(bytes: &[u8], end: NaiveDateTime) -> Result<Calendar, CalendarError> {
     let lines = Lines::of(bytes)?;
-    let roots = read_components(&lines.text).map_err(|_| CalendarError::NotACalendar)?;
+    let mut roots = Vec::new();
+    for text in &lines.texts {
+        roots.extend(read_components(text).map_err(|_| CalendarError::NotACalendar)?);
+    }
     // Clocks differ from UTC by less than two days.
     let end = end + chrono::Duration::days(2);
     let mut zones = Zones::default();
