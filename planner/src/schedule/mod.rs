@@ -56,6 +56,7 @@ mod instants;
 mod price;
 mod draft;
 mod daily;
+mod labels;
 mod joint;
 mod infeasible;
 mod explain;

@@ -19,6 +19,7 @@ use super::error::ScheduleError;
 use super::explain;
 use super::infeasible;
 use super::joint::{Built, Facts, build};
+use super::labels;
 use super::model::Model;
 use super::problem::Problem;
 use super::reason::Because;
@@ -27,10 +28,10 @@ use super::usage;
 use super::worth;
 use crate::program::number::f64_from_i128;
 use crate::program::{
-    self, Aids, Ended, Family, Limits, Outcome, Program, charged, grow, relax, solve_from,
+    self, Aids, Choice, Ended, Family, Limits, Outcome, Program, charged, grow, relax, solve_from,
 };
 use crate::progress::{Progress, Quietly, StopOnly};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Up to so many sessions the programme works alone.
 const FEW: usize = 60;
@@ -48,6 +49,8 @@ const TOGETHER: Limits =
 /// Most numbers touched where the programme works alone.
 const ALONE_WORK: usize = 15_000_000_000;
 
+/// Labels within one part in so many of their bound need no other search.
+const NEAR: i128 = 1_000;
 /// Rounds of rows of families before the search.
 const ROW_ROUNDS: usize = 8;
 
@@ -75,10 +78,45 @@ pub fn schedule_until(
     let mut built = build(problem, &model, &facts);
     let relaxed = daily::relax(&model);
     let regime = Regime::of(&problem.demands, model.sessions.len());
+    if let Some(found) = by_labels(&built, progress) {
+        let search = Search::new(&built, &Prepared::NOTHING, regime, progress);
+        return search.report((&found, &relaxed), screened);
+    }
     let prepared = Prepared::new(&mut built, &relaxed, regime, progress);
     let search = Search::new(&built, &prepared, regime, progress);
     let found = search.run(&relaxed)?;
     search.report((&found, &relaxed), screened)
+}
+
+/// The schedule by labels, where they know all rules and come close to their bound.
+fn by_labels(built: &Built<'_>, progress: &dyn Progress) -> Option<Outcome> {
+    if !built.is_plain() {
+        return None;
+    }
+    let program = &built.program;
+    // One that can never stand is for `infeasible.rs` to explain.
+    let fixed: BTreeSet<usize> = built.problem.demands.fixed.iter().copied().collect();
+    if program.choices.iter().filter(|it| **it == Choice::Always).count() < fixed.len() {
+        return None;
+    }
+    let found = labels::search(built.model, program, progress)?;
+    let missing = found.bound - found.value;
+    if missing > found.value / NEAR {
+        return None;
+    }
+    Some(Outcome {
+        taken: Some(found.taken),
+        value: found.value,
+        bound: found.bound,
+        relaxed: found.bound,
+        prices: Vec::new(),
+        family_prices: Vec::new(),
+        slopes: Vec::new(),
+        shares: Vec::new(),
+        ended: if missing == 0 { Ended::Proven } else { Ended::Work },
+        nodes: 0,
+        cuts: 0,
+    })
 }
 
 /// Which searches a problem gets.
@@ -87,6 +125,8 @@ struct Regime {
     sessions: usize,
     /// Rules beyond those of single days and windows.
     demands: bool,
+    /// The objective is logarithmic.
+    log: bool,
     /// There is a search by days.
     by_days: bool,
 }
@@ -94,7 +134,8 @@ struct Regime {
 impl Regime {
     fn of(demands: &Demands, sessions: usize) -> Self {
         let by_days = demands.log.is_none() && sessions > FEW;
-        Self { sessions, demands: !demands.is_empty(), by_days }
+        let log = demands.log.is_some();
+        Self { sessions, demands: !demands.is_empty(), log, by_days }
     }
 
     /// More than [`MANY`] sessions.
@@ -133,6 +174,9 @@ struct Prepared {
 }
 
 impl Prepared {
+    /// Nothing.
+    const NOTHING: Self = Self { days: None, charged: None, ready: None };
+
     /// The search by days, and beside it the programme's relaxation with rows of its families, which may
     /// give a second search by days; the programme keeps the rows.
     fn new(

@@ -38,6 +38,7 @@ pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
         },
         rules: Vec::new(),
         further: 0,
+        further_families: 0,
         families: Vec::new(),
         refusals: Vec::new(),
         offset: 0,
@@ -52,6 +53,7 @@ pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
     built.days();
     built.starts();
     built.further = built.program.rows.len();
+    built.further_families = built.families.len();
     built.heat();
     built.memory();
     for diversity in &demands.diversity {

@@ -64,6 +64,8 @@ pub(crate) struct Built<'m> {
     pub(crate) rules: Vec<Option<Rule>>,
     /// The rows before this one are those of overlap, days and starts.
     pub(crate) further: usize,
+    /// The families before this one are theirs, too.
+    pub(crate) further_families: usize,
     pub(crate) families: Vec<Box<dyn Family + 'm>>,
     /// Why a session is left out that a family refuses.
     pub(crate) refusals: Vec<Because>,
@@ -99,6 +101,13 @@ impl<'m> Built<'m> {
             limit: -i64_from_usize(season.wanted),
         }));
         strict
+    }
+
+    /// Whether overlap, days and starts are all the rules, and the value a sum over sessions.
+    pub(crate) const fn is_plain(&self) -> bool {
+        self.program.rows.len() == self.further
+            && self.families.len() == self.further_families
+            && self.program.cells.is_empty()
     }
 
     /// Adds a family, and why it leaves sessions out.
