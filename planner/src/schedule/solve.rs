@@ -19,7 +19,7 @@ use super::error::ScheduleError;
 use super::explain;
 use super::infeasible;
 use super::joint::{Built, Facts, build};
-use super::labels;
+use super::lagrangian::{self, Found as Labelled};
 use super::model::Model;
 use super::problem::Problem;
 use super::reason::Because;
@@ -28,10 +28,11 @@ use super::usage;
 use super::worth;
 use crate::program::number::f64_from_i128;
 use crate::program::{
-    self, Aids, Choice, Ended, Family, Limits, Outcome, Program, charged, grow, relax, solve_from,
+    self, Aids, Dualised, Ended, Family, Limits, Outcome, Program, charged, grow, relax,
+    solve_from, worth_of,
 };
 use crate::progress::{Progress, Quietly, StopOnly};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Up to so many sessions the programme works alone.
 const FEW: usize = 60;
@@ -49,8 +50,10 @@ const TOGETHER: Limits =
 /// Most numbers touched where the programme works alone.
 const ALONE_WORK: usize = 15_000_000_000;
 
-/// Labels within one part in so many of their bound need no other search.
+/// Labels within one part in so many of their bound need no other search; the same under demands over
+/// many sessions. Over few, the programme may prove more.
 const NEAR: i128 = 1_000;
+const NEAR_DEMANDS: i128 = 100;
 /// Rounds of rows of families before the search.
 const ROW_ROUNDS: usize = 8;
 
@@ -78,42 +81,51 @@ pub fn schedule_until(
     let mut built = build(problem, &model, &facts);
     let relaxed = daily::relax(&model);
     let regime = Regime::of(&problem.demands, model.sessions.len());
-    if let Some(found) = by_labels(&built, progress) {
+    let labelled = lagrangian::search(&mut built, &relaxed.prices, progress);
+    if let Some(found) = labelled.as_ref().and_then(|it| settled(&built, it, regime)) {
         let search = Search::new(&built, &Prepared::NOTHING, regime, progress);
         return search.report((&found, &relaxed), screened);
     }
-    let prepared = Prepared::new(&mut built, &relaxed, regime, progress);
+    let prepared = match labelled {
+        Some(found) => Prepared::by_labels(&built, &found, regime),
+        None => Prepared::new(&mut built, &relaxed, regime, progress),
+    };
     let search = Search::new(&built, &prepared, regime, progress);
     let found = search.run(&relaxed)?;
     search.report((&found, &relaxed), screened)
 }
 
-/// The schedule by labels, where they know all rules and come close to their bound.
-fn by_labels(built: &Built<'_>, progress: &dyn Progress) -> Option<Outcome> {
-    if !built.is_plain() {
+/// The schedule by labels, where it comes close enough to its bound.
+fn settled(built: &Built<'_>, found: &Labelled, regime: Regime) -> Option<Outcome> {
+    let taken = found.taken.clone()?;
+    let value = worth_of(&built.program, &taken);
+    let missing = (found.bound - value).max(0);
+    let near = if !regime.demands {
+        NEAR
+    } else if regime.many() {
+        NEAR_DEMANDS
+    } else {
+        i128::MAX
+    };
+    if missing > (value - built.offset).abs() / near {
         return None;
     }
-    let program = &built.program;
-    // One that can never stand is for `infeasible.rs` to explain.
-    let fixed: BTreeSet<usize> = built.problem.demands.fixed.iter().copied().collect();
-    if program.choices.iter().filter(|it| **it == Choice::Always).count() < fixed.len() {
-        return None;
-    }
-    let found = labels::search(built.model, program, progress)?;
-    let missing = found.bound - found.value;
-    if missing > found.value / NEAR {
-        return None;
-    }
+    // The labels' own rules have no multipliers: the relaxation has.
+    let (prices, slopes) = if built.label_rows.is_empty() {
+        (found.multipliers.rows.clone(), found.multipliers.slopes.clone())
+    } else {
+        relax(&built.program, &vec![0.0; built.program.values.len()])?.per_unit()
+    };
     Some(Outcome {
-        taken: Some(found.taken),
-        value: found.value,
+        taken: Some(taken),
+        value,
         bound: found.bound,
         relaxed: found.bound,
-        prices: Vec::new(),
+        prices,
         family_prices: Vec::new(),
-        slopes: Vec::new(),
+        slopes,
         shares: Vec::new(),
-        ended: if missing == 0 { Ended::Proven } else { Ended::Work },
+        ended: if found.exact || missing == 0 { Ended::Proven } else { Ended::Work },
         nodes: 0,
         cuts: 0,
     })
@@ -177,6 +189,15 @@ impl Prepared {
     /// Nothing.
     const NOTHING: Self = Self { days: None, charged: None, ready: None };
 
+    /// What labels found, and the programme's relaxation.
+    fn by_labels(built: &Built<'_>, found: &Labelled, regime: Regime) -> Self {
+        let model = built.model;
+        let taken = found.taken.as_ref().map(|taken| model.candidates(taken)).unwrap_or_default();
+        let nothing = || vec![0.0; model.sessions.len()];
+        let ready = if regime.many() { relax(&built.program, &nothing()) } else { None };
+        Self { days: None, charged: Some((taken, found.bound)), ready }
+    }
+
     /// The search by days, and beside it the programme's relaxation with rows of its families, which may
     /// give a second search by days; the programme keeps the rows.
     fn new(
@@ -195,7 +216,11 @@ impl Prepared {
             || {
                 if regime.by_days && regime.together() {
                     let (ready, grown) = grow(program, &families, (ROW_ROUNDS, offset));
-                    let charged = ready.as_ref().map(|ready| charged(program, ready, further));
+                    let charged = ready.as_ref().map(|ready| {
+                        let (rows, slopes) = ready.per_unit();
+                        let which = Dualised { rows_from: further, cells_until: usize::MAX };
+                        charged(program, (&rows, &slopes), which)
+                    });
                     let quiet = StopOnly(progress);
                     (charged.and_then(|it| Days::charged(model, &it, &quiet)), (ready, grown))
                 } else if regime.many() {
@@ -296,12 +321,13 @@ impl<'s> Search<'s> {
         solve_from(program, limits, &aids, ready).ok()
     }
 
-    /// The earlier plan, else a schedule by days.
+    /// A schedule by labels, else the earlier plan, else a schedule by days.
     fn start(&self) -> Vec<usize> {
         let previous = self.built.problem.demands.previous.as_ref().map(|it| &it.sessions);
         let charged = self.prepared.charged.as_ref().map(|it| &it.0);
         let days = self.prepared.days.as_ref().map(|it| &it.chosen);
-        let start = previous.or(charged).or(days);
+        let charged = charged.filter(|it| !it.is_empty());
+        let start = charged.or(previous).or(days);
         start.map(|candidates| self.sessions_of(candidates)).unwrap_or_default()
     }
 

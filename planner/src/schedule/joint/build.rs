@@ -38,6 +38,7 @@ pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
         },
         rules: Vec::new(),
         further: 0,
+        label_rows: 0..0,
         further_families: 0,
         families: Vec::new(),
         refusals: Vec::new(),
@@ -56,6 +57,7 @@ pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
     built.further_families = built.families.len();
     built.heat();
     built.memory();
+    built.label_rows = built.further..built.program.rows.len();
     for diversity in &demands.diversity {
         built.cones(diversity);
     }

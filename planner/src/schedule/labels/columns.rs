@@ -1,8 +1,9 @@
 //! Labels by columns: one list for each number of a label, so that many are compared at a time.
 
-use super::items::FREE;
-use super::{MOST_DAYS, MOST_PLACES};
+use super::items::{FREE, NEVER};
+use super::{MOST_AMOUNTS, MOST_PLACES};
 use pulp::{Arch, NullaryFnOnce};
+use std::cmp::Reverse;
 
 /// Labels that are compared at a time.
 const BLOCK: usize = 32;
@@ -11,10 +12,12 @@ const BLOCK: usize = 32;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Label {
     pub(super) value: i64,
-    /// Reserved ns of this day and the following ones.
-    pub(super) used: [i64; MOST_DAYS],
+    /// Reserved ns of this day and the following ones, what the memory holds, reserved ns after each line
+    /// of the thermal windows; the less the better.
+    pub(super) used: [i64; MOST_AMOUNTS],
     /// Ranks of the last starts that count, latest first, then of the ends until which the lanes of each
-    /// class are busy, latest first; [`FREE`] where there is none.
+    /// class are busy, latest first ([`FREE`] where there is none), then the negative ranks of the last
+    /// starts on the lanes of each class, latest first ([`NEVER`] where there is none); the less the better.
     pub(super) places: [i32; MOST_PLACES],
     /// Its last session among the pass's links.
     pub(super) link: u32,
@@ -23,9 +26,16 @@ pub(super) struct Label {
 }
 
 impl Label {
-    /// Nothing taken.
+    /// Nothing taken; no place holds a last start.
     pub(super) const EMPTY: Self =
-        Self { value: 0, used: [0; MOST_DAYS], places: [FREE; MOST_PLACES], link: 0, copies: 0 };
+        Self { value: 0, used: [0; MOST_AMOUNTS], places: [FREE; MOST_PLACES], link: 0, copies: 0 };
+
+    /// Nothing taken, the places from one on those of last starts.
+    pub(super) fn empty(last_starts: usize) -> Self {
+        let mut label = Self::EMPTY;
+        label.places.iter_mut().skip(last_starts).for_each(|it| *it = NEVER);
+        label
+    }
 }
 
 /// Labels by columns.
@@ -108,12 +118,37 @@ impl Columns {
         self.used.iter().zip(&label.used).all(|(column, limit)| column[index] <= *limit)
     }
 
-    /// Keeps the first `len` labels.
-    pub(super) fn truncate(&mut self, len: usize) {
-        self.value.truncate(len);
-        self.link.truncate(len);
-        self.used.iter_mut().for_each(|it| it.truncate(len));
-        self.places.iter_mut().for_each(|it| it.truncate(len));
+    /// Keeps the `width` labels of the largest worth, the earlier of equals, in their order.
+    pub(super) fn keep_best(&mut self, worth: &[i64], width: usize) {
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        if width == 0 || width >= order.len() {
+            return;
+        }
+        order.select_nth_unstable_by_key(width - 1, |&at| (Reverse(worth[at]), at));
+        order.truncate(width);
+        order.sort_unstable();
+        self.pick(&order);
+    }
+
+    /// The labels at some places, in that order.
+    fn pick(&mut self, order: &[usize]) {
+        let long = |column: &mut Vec<i64>| *column = order.iter().map(|&at| column[at]).collect();
+        long(&mut self.value);
+        self.used.iter_mut().for_each(long);
+        for column in &mut self.places {
+            *column = order.iter().map(|&at| column[at]).collect();
+        }
+        self.link = order.iter().map(|&at| self.link[at]).collect();
+    }
+
+    /// Puts the labels in order of falling value, equals as they were.
+    pub(super) fn sort(&mut self) {
+        if self.value.is_sorted_by(|a, b| a >= b) {
+            return;
+        }
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_by_key(|&at| Reverse(self.value[at]));
+        self.pick(&order);
     }
 
     /// Lowers the resources of a label to another's.
@@ -198,11 +233,11 @@ mod tests {
                     label.places[1] = 5;
                     label.used[index % 2] = 7;
                     if index == at {
-                        (label.places[1], label.used) = (4, [6; MOST_DAYS]);
+                        (label.places[1], label.used) = (4, [6; MOST_AMOUNTS]);
                     }
                     labels.push(&label);
                 }
-                let mut limit = Label { used: [6; MOST_DAYS], ..Label::EMPTY };
+                let mut limit = Label { used: [6; MOST_AMOUNTS], ..Label::EMPTY };
                 limit.places[1] = 4;
                 assert_eq!(labels.no_worse(&limit, len), Some(at));
                 assert_eq!(labels.no_worse(&limit, at), None);

@@ -18,24 +18,29 @@
 
 mod items;
 mod columns;
+mod further;
 mod effort;
 mod pass;
 
-use super::model::Model;
-use crate::program::Program;
 use crate::progress::Progress;
 use effort::Effort;
-use items::Items;
+
 use pass::{Keep, pass};
+
+pub(super) use further::Further;
+pub(super) use items::Items;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Most starts in a window and lanes together.
+/// Most starts in a window, lanes and last starts together.
 pub(super) const MOST_PLACES: usize = 24;
 /// Most days that a session touches.
 pub(super) const MOST_DAYS: usize = 4;
 
+/// Most amounts of a label: days, memory, lines of thermal windows.
+const MOST_AMOUNTS: usize = MOST_DAYS + 1 + further::MOST_LINES;
+
 /// Comparisons of labels in one pass: some ten seconds.
-const EFFORT: u64 = 20_000_000_000;
+pub(super) const EFFORT: u64 = 20_000_000_000;
 
 /// What the labels give.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,8 +49,8 @@ pub(super) struct Found {
     pub(super) taken: Vec<usize>,
     /// Its value in units.
     pub(super) value: i128,
-    /// No schedule has a larger value.
-    pub(super) bound: i128,
+    /// It is the best.
+    pub(super) exact: bool,
 }
 
 /// Stops where a schedule is proved to be the best.
@@ -64,26 +69,38 @@ impl Progress for Unless<'_> {
     }
 }
 
-/// The best schedule and a bound; `None` where labels do not serve or the search was stopped.
-pub(super) fn search(
-    model: &Model,
-    program: &Program,
+/// A schedule of the most valuable labels, and whether it is the best: `None` where labels do not serve or
+/// the search was stopped.
+pub(super) fn best(items: &Items<'_>, comparisons: u64, progress: &dyn Progress) -> Option<Found> {
+    let passed = pass(items, Keep::Best, Effort::new(comparisons), progress)?;
+    Some(Found {
+        taken: items.sessions(&passed.taken),
+        value: i128::from(passed.value),
+        exact: passed.exact,
+    })
+}
+
+/// No schedule is worth more; as [`best`].
+pub(super) fn bound(items: &Items<'_>, comparisons: u64, progress: &dyn Progress) -> Option<i128> {
+    let passed = pass(items, Keep::Merged, Effort::new(comparisons), progress)?;
+    Some(i128::from(passed.value))
+}
+
+/// The best schedule and a bound in one; as [`best`].
+pub(super) fn both(
+    items: &Items<'_>,
+    comparisons: u64,
     progress: &dyn Progress,
-) -> Option<Found> {
-    let items = Items::new(model, program)?;
-    let effort = Effort::new(EFFORT);
-    let work = u64::try_from(items.len()).unwrap_or(u64::MAX);
-    progress.begin("labels", work.saturating_mul(2));
+) -> Option<(Found, i128)> {
     let proved = AtomicBool::new(false);
-    let best = || {
-        let below = pass(&items, Keep::Best, effort, progress);
+    let below = || {
+        let below = best(items, comparisons, progress);
         proved.store(below.as_ref().is_some_and(|it| it.exact), Ordering::Relaxed);
         below
     };
-    let merged = || pass(&items, Keep::Merged, effort, &Unless { progress, proved: &proved });
-    let (below, above) = rayon::join(best, merged);
+    let above = || bound(items, comparisons, &Unless { progress, proved: &proved });
+    let (below, above) = rayon::join(below, above);
     let below = below?;
-    let bound = if below.exact { below.value } else { above?.value };
-    let taken = items.sessions(&below.taken);
-    Some(Found { taken, value: i128::from(below.value), bound: i128::from(bound) })
+    let bound = if below.exact { below.value } else { above? };
+    Some((below, bound))
 }

@@ -14,7 +14,7 @@
 
 use super::columns::{Columns, Label};
 use super::effort::Effort;
-use super::items::{FREE, Item, Items};
+use super::items::{FREE, Item, Items, NEVER};
 use crate::progress::Progress;
 use std::cmp::Reverse;
 
@@ -22,6 +22,8 @@ use std::cmp::Reverse;
 const AGAIN: usize = 4;
 /// First slack of time, in ns: a minute.
 const SLACK_NS: i64 = 60_000_000_000;
+/// Numbers of a label under the plain rules.
+const PLAIN_WEIGHT: usize = 11;
 /// Items between two questions whether to stop.
 const ASK: usize = 64;
 /// Links above which those that no label needs are dropped.
@@ -48,7 +50,7 @@ pub(super) struct Passed {
 
 /// Visits all items; `None` when the search is to stop, or no schedule has all that must stand.
 pub(super) fn pass(
-    items: &Items,
+    items: &Items<'_>,
     keep: Keep,
     effort: Effort,
     progress: &dyn Progress,
@@ -68,7 +70,7 @@ pub(super) fn pass(
 
 /// The labels that live, by falling value.
 struct Front<'i> {
-    items: &'i Items,
+    items: &'i Items<'i>,
     keep: Keep,
     effort: Effort,
     labels: Columns,
@@ -78,17 +80,41 @@ struct Front<'i> {
     /// Session and link before it, of each session of a label; the first is none.
     links: Vec<(u32, u32)>,
     cell: usize,
+    /// The last instant visited.
+    at: i64,
+    /// The first window of the longest gap that has not passed.
+    due: usize,
+    /// The first line whose window has not passed.
+    line: usize,
+    /// Reserved intervals of a label's sessions that still count.
+    standing: Vec<(i64, i64)>,
     exact: bool,
+    /// Numbers of a label, those of 64 bits twice.
+    weight: usize,
 }
 
 impl<'i> Front<'i> {
-    fn new(items: &'i Items, keep: Keep, effort: Effort) -> Self {
-        let empty = || Columns::new(items.days, items.places);
+    fn new(items: &'i Items<'i>, keep: Keep, effort: Effort) -> Self {
+        let empty = || Columns::new(items.amounts(), items.places);
         let mut labels = empty();
-        labels.push(&Label::EMPTY);
-        let cell = items.list.first().map_or(0, |it| it.cell);
-        let (new, links) = (Vec::new(), vec![(0, 0)]);
-        Self { items, keep, effort, labels, next: empty(), new, links, cell, exact: true }
+        labels.push(&Label::empty(items.last_starts));
+        let first = items.list.first();
+        Self {
+            items,
+            keep,
+            effort,
+            labels,
+            next: empty(),
+            new: Vec::new(),
+            links: vec![(0, 0)],
+            cell: first.map_or(0, |it| it.cell),
+            at: first.map_or(0, |it| it.start),
+            due: 0,
+            line: 0,
+            standing: Vec::new(),
+            exact: items.is_exact(),
+            weight: items.places + 2 * items.amounts(),
+        }
     }
 
     /// `None` where there are more links than can be told apart.
@@ -105,8 +131,11 @@ impl<'i> Front<'i> {
         let width = self.effort.width(self.items.len() - index);
         match self.keep {
             Keep::Best => {
-                self.exact &= self.labels.len() <= width;
-                self.labels.truncate(width);
+                if self.labels.len() > width {
+                    self.exact = false;
+                    let prospects = self.prospects(item);
+                    self.labels.keep_best(&prospects, width);
+                }
             }
             Keep::Merged => {
                 let mut slack = SLACK_NS;
@@ -121,6 +150,40 @@ impl<'i> Front<'i> {
             self.drop_links();
         }
         Some(())
+    }
+
+    /// What each label is worth less what it uses of the time to come, at the relaxation's prices.
+    fn prospects(&self, item: &Item) -> Vec<i64> {
+        let (items, prices) = (self.items, self.items.prices);
+        let mut prospects = self.labels.value.clone();
+        for (ahead, column) in self.labels.used[..items.days].iter().enumerate() {
+            for (prospect, used) in prospects.iter_mut().zip(column) {
+                *prospect = prospect.saturating_sub(prices.cell_cost(item.cell + ahead, *used));
+            }
+        }
+        let at = |times: &[i64], rank: i32| {
+            usize::try_from(rank).ok().and_then(|rank| times.get(rank)).copied()
+        };
+        let open = item.start.saturating_sub(items.window).saturating_add(1);
+        for column in &self.labels.places[..items.count] {
+            for (prospect, rank) in prospects.iter_mut().zip(column) {
+                if let Some(start) = at(&items.starts, *rank) {
+                    let pays = prices.windows.sum(open, start.saturating_add(1));
+                    *prospect = prospect.saturating_sub(pays);
+                }
+            }
+        }
+        for class in &items.classes {
+            let Some(lane) = prices.lanes.get(class.lanes[0]) else { continue };
+            for column in &self.labels.places[class.places.clone()] {
+                for (prospect, rank) in prospects.iter_mut().zip(column) {
+                    if let Some(end) = at(&items.ends, *rank) {
+                        *prospect = prospect.saturating_sub(lane.sum(item.start, end));
+                    }
+                }
+            }
+        }
+        prospects
     }
 
     /// Drops the links that no label needs: each leads to an earlier one.
@@ -146,20 +209,63 @@ impl<'i> Front<'i> {
         self.links = links;
     }
 
-    /// Forgets days, starts and ends that have passed.
+    /// Forgets days, starts and ends that have passed, sends data, charges gaps.
     fn forget(&mut self, item: &Item) {
+        self.charge(item.start);
+        let days = &mut self.labels.used[..self.items.days];
         while self.cell < item.cell {
-            self.labels.used.rotate_left(1);
-            if let Some(last) = self.labels.used.last_mut() {
+            days.rotate_left(1);
+            if let Some(last) = days.last_mut() {
                 last.fill(0);
             }
             self.cell += 1;
         }
-        let (starts, lanes) = self.labels.places.split_at_mut(self.items.count);
+        if let Some(memory) = &self.items.memory {
+            let over = i64::from(self.keep == Keep::Merged);
+            let sent = memory.sent(self.at, item.start) + over;
+            let fill = &mut self.labels.used[self.items.fill()];
+            fill.iter_mut().for_each(|it| *it = it.saturating_sub(sent).max(0));
+        }
+        self.at = item.start;
+        if let Some(heat) = &self.items.heat {
+            let first = self.items.first_line();
+            while let Some(line) = heat.lines.get(self.line)
+                && line.saturating_add(heat.window) <= item.start
+                && !heat.complete
+            {
+                self.labels.used[first + self.line % heat.slots].fill(0);
+                self.line += 1;
+            }
+        }
+        let places = &mut self.labels.places[..self.items.last_starts];
+        let (starts, lanes) = places.split_at_mut(self.items.count);
         for (columns, passed) in [(starts, item.left), (lanes, item.begun)] {
             for place in columns.iter_mut().flatten() {
                 *place = if *place < passed { FREE } else { *place };
             }
+        }
+    }
+
+    /// Charges the windows of the longest gap that have passed by an instant to the labels of which no
+    /// session starts in them.
+    fn charge(&mut self, at: i64) {
+        let mut charged = false;
+        while let Some((due, class)) = self.items.dues.get(self.due).filter(|it| it.0.until <= at) {
+            let starts = &self.items.starts;
+            let from = i32::try_from(starts.partition_point(|it| *it < due.from));
+            let from = from.unwrap_or(i32::MAX);
+            for place in self.items.classes[*class].last.clone() {
+                for (value, last) in self.labels.value.iter_mut().zip(&self.labels.places[place]) {
+                    if *last > -from {
+                        *value = value.saturating_sub(due.price);
+                        charged = true;
+                    }
+                }
+            }
+            self.due += 1;
+        }
+        if charged {
+            self.labels.sort();
         }
     }
 
@@ -172,7 +278,7 @@ impl<'i> Front<'i> {
             }
             let mut label = self.labels.get(index);
             for _ in 0..self.items.classes[item.class].copies() {
-                if !self.fits(&label, item) {
+                if !self.fits(&label, item) || !self.cools(&label, item) {
                     break;
                 }
                 self.add(&mut label, item);
@@ -196,12 +302,43 @@ impl<'i> Front<'i> {
     fn fits(&self, label: &Label, item: &Item) -> bool {
         let free = |place: usize| label.places[place] == FREE;
         let lane = self.items.classes[item.class].places.clone().last();
-        let mut days = label.used.iter().zip(item.parts);
+        let mut days = label.used.iter().zip(item.parts).take(self.items.days);
+        let data = if self.keep == Keep::Best { item.data.peak } else { item.data.left };
+        let holds = |size| label.used[self.items.fill()].saturating_add(data) <= size;
         lane.is_none_or(free)
             && self.items.count.checked_sub(1).is_none_or(free)
             && self.items.day_limit.is_none_or(|most| {
                 days.all(|(used, part)| part == 0 || used.saturating_add(part) <= most)
             })
+            && self.items.memory.as_ref().is_none_or(|it| holds(it.size))
+    }
+
+    /// Whether thermal windows have room for the item.
+    fn cools(&mut self, label: &Label, item: &Item) -> bool {
+        let Some(heat) = &self.items.heat else { return true };
+        let used = &label.used[self.items.first_line()..];
+        let new = (item.start, item.end);
+        let fits = |(slot, part): (usize, i64)| used[slot].saturating_add(part) <= heat.most;
+        if !heat.touched(self.line, new).all(fits) {
+            return false;
+        }
+        if heat.complete || self.keep == Keep::Merged {
+            return true;
+        }
+        self.standing.clear();
+        self.standing.extend(std::iter::repeat_n(new, label.copies as usize));
+        let earliest = item.start.saturating_sub(heat.window).saturating_sub(heat.longest);
+        let mut link = label.link;
+        while let Some(&(before, index)) = self.links.get(link as usize).filter(|_| link > 0) {
+            let it = &self.items.list[index as usize];
+            if it.start < earliest {
+                break;
+            }
+            self.standing.push((it.start, it.end));
+            link = before;
+        }
+        self.effort.spend(self.standing.len().pow(2));
+        heat.allows(&self.standing, new)
     }
 
     fn add(&self, label: &mut Label, item: &Item) {
@@ -209,6 +346,22 @@ impl<'i> Front<'i> {
         label.copies += 1;
         for (used, part) in label.used.iter_mut().zip(item.parts) {
             *used = used.saturating_add(part);
+        }
+        if self.items.memory.is_some() {
+            let data = if self.keep == Keep::Best { item.data.all } else { item.data.left };
+            let fill = &mut label.used[self.items.fill()];
+            *fill = fill.saturating_add(data);
+        }
+        if let Some(heat) = &self.items.heat {
+            let used = &mut label.used[self.items.first_line()..];
+            for (slot, part) in heat.touched(self.line, (item.start, item.end)) {
+                used[slot] = used[slot].saturating_add(part);
+            }
+        }
+        let last = &mut label.places[self.items.classes[item.class].last.clone()];
+        if let Some(place) = last.last_mut() {
+            *place = -item.start_rank;
+            last.rotate_right(1);
         }
         let starts = &mut label.places[..self.items.count];
         if let Some(last) = starts.last_mut() {
@@ -265,7 +418,8 @@ impl<'i> Front<'i> {
     /// The first of the next labels that is no worse than this one.
     fn seek(&mut self, label: &Label) -> Option<usize> {
         let found = self.next.no_worse(label, self.next.len());
-        self.effort.spend(found.unwrap_or(self.next.len()));
+        self.effort
+            .spend(found.unwrap_or(self.next.len()).saturating_mul(self.weight) / PLAIN_WEIGHT);
         found
     }
 
@@ -281,13 +435,22 @@ impl<'i> Front<'i> {
             let count = i32::try_from(times.partition_point(|it| *it <= until));
             count.map_or(i32::MAX, |count| count - 1)
         };
+        let earlier = |place: i32| {
+            let at = usize::try_from(-place).ok().and_then(|rank| starts.get(rank)).copied();
+            let from = at.unwrap_or(i64::MIN).saturating_sub(slack_ns);
+            i32::try_from(starts.partition_point(|it| *it < from)).map_or(0, |rank| -rank)
+        };
         for index in 0..self.labels.len() {
             let label = self.labels.get(index);
             let mut limit = label;
             for used in &mut limit.used {
                 *used = used.saturating_add(slack_ns);
             }
-            let (first, lanes) = limit.places.split_at_mut(items.count);
+            let (places, last) = limit.places.split_at_mut(items.last_starts);
+            for place in last.iter_mut().filter(|it| **it != NEVER) {
+                *place = earlier(*place);
+            }
+            let (first, lanes) = places.split_at_mut(items.count);
             for place in first {
                 *place = later(starts, *place, left);
             }
@@ -302,7 +465,8 @@ impl<'i> Front<'i> {
         std::mem::swap(&mut self.labels, &mut self.next);
     }
 
-    fn best(self) -> Option<Passed> {
+    fn best(mut self) -> Option<Passed> {
+        self.charge(i64::MAX);
         // They stand by falling value.
         let best = (self.labels.len() > 0).then(|| self.labels.get(0))?;
         let mut taken = Vec::new();
