@@ -14,7 +14,7 @@ use super::joint::Built;
 use super::labels::{self, EFFORT, Further, Items};
 use super::price::Prices;
 use super::worth;
-use crate::program::number::{f64_from_i64, f64_from_i128, f64_from_usize};
+use crate::program::number::{f64_from_i64, f64_from_i128, f64_from_usize, u64_from_usize};
 use crate::program::{Charged, Choice, Dualised, Family, Gain, charged, grow};
 use crate::progress::{Progress, StopOnly};
 use std::cmp::Reverse;
@@ -24,6 +24,8 @@ use std::collections::BTreeSet;
 const ROUNDS: usize = 12;
 /// Rounds of rows of families in the relaxation.
 const ROW_ROUNDS: usize = 8;
+/// Up to so many sessions the relaxation prices thermal windows and the memory, too.
+const ALL_PRICED: usize = 15_000;
 /// Comparisons of labels in a round, and in a last pass.
 const SHORT: u64 = EFFORT / 40;
 const LONG: u64 = EFFORT / 2;
@@ -43,6 +45,8 @@ pub(super) struct Found {
     pub(super) exact: bool,
     /// Multipliers of rows and cells in units; empty where all rules are the labels'.
     pub(super) multipliers: Multipliers,
+    /// The relaxation had all rows.
+    pub(super) all_priced: bool,
 }
 
 /// Prices of the programme's rows and slopes of its cells, in units.
@@ -65,41 +69,50 @@ pub(super) fn search(
         return None;
     }
     let linked = !built.program.cells.is_empty() || !built.angles.is_empty();
-    if !linked {
+    let all = built.model.sessions.len() <= ALL_PRICED && !built.label_rows.is_empty();
+    if !linked && !all {
         let nothing = Multipliers { rows: vec![0.0; built.program.rows.len()], slopes: Vec::new() };
-        let dual = Dual::new((built, plain), false);
+        let dual = Dual::new((built, plain), Knows::Heat);
         let (items, constant) = dual.items(&nothing)?;
+        progress.begin("labels", u64_from_usize(items.len()).saturating_mul(2));
         let (found, bound) = labels::both(&items, EFFORT, progress)?;
         let taken = dual.allowed(&found.taken).then_some(found.taken);
         let (bound, multipliers) = (bound + constant, Multipliers::default());
-        return Some(Found { taken, bound, exact: found.exact, multipliers });
+        let all_priced = built.label_rows.is_empty();
+        return Some(Found { taken, bound, exact: found.exact, multipliers, all_priced });
     }
-    let multipliers = relaxed(built)?;
-    let dual = Dual::new((built, plain), false);
-    let (items, constant) = dual.items(&multipliers)?;
+    progress.begin("relaxation", 1);
+    let multipliers = relaxed(built, all)?;
+    progress.advance(1);
+    let bounding = Dual::new((built, plain), if all { Knows::Nothing } else { Knows::Heat });
+    let (items, constant) = bounding.items(&multipliers)?;
+    let dual = Dual::new((built, plain), Knows::Heat);
+    let linking = dual.without_known(multipliers.clone());
+    progress.begin("labels", u64_from_usize(items.len()));
+    let quiet = StopOnly(progress);
     let schedules = || {
-        let charged = dual.schedule(multipliers.clone(), progress);
+        let charged = dual.schedule(linking.clone(), &quiet);
         let gaps = !built.gaps.is_empty() && Further::knows_gaps(built);
-        let known = gaps
-            .then(|| Dual::new((built, plain), true).schedule(multipliers.clone(), progress))
-            .flatten();
+        let gaps = gaps.then(|| Dual::new((built, plain), Knows::Gaps));
+        let known = gaps.and_then(|it| it.schedule(linking.clone(), &quiet));
         let worth = |taken: &Vec<usize>| worth::objective(built, taken);
         // The first of equals.
         known.into_iter().chain(charged).max_by(|a, b| worth(a).total_cmp(&worth(b)))
     };
-    let above = || labels::bound(&items, EFFORT, &StopOnly(progress));
+    let above = || labels::bound(&items, EFFORT, progress);
     let (taken, bound) = rayon::join(schedules, above);
-    Some(Found { taken, bound: bound? + constant, exact: false, multipliers })
+    let all_priced = all || built.label_rows.is_empty();
+    Some(Found { taken, bound: bound? + constant, exact: false, multipliers, all_priced })
 }
 
-/// The relaxation's multipliers, those of rows that labels know 0.
-fn relaxed(built: &mut Built<'_>) -> Option<Multipliers> {
+/// The relaxation's multipliers; those of thermal windows and the memory are 0 unless all are asked for.
+fn relaxed(built: &mut Built<'_>, all: bool) -> Option<Multipliers> {
     let mut program = built.program.clone();
     let kept: Vec<usize> =
-        (0..program.rows.len()).filter(|it| !built.label_rows.contains(it)).collect();
+        (0..program.rows.len()).filter(|it| all || !built.label_rows.contains(it)).collect();
     program.rows = kept.iter().map(|&it| built.program.rows[it].clone()).collect();
     let asked: Vec<usize> = (0..built.families.len())
-        .filter(|&it| it < built.further_families || built.angles.iter().any(|a| a.family == it))
+        .filter(|&it| all || it < built.further_families || built.is_of_angles(it))
         .collect();
     let families: Vec<&dyn Family> = asked.iter().map(|&it| built.families[it].as_ref()).collect();
     let own = program.rows.len();
@@ -121,6 +134,16 @@ fn relaxed(built: &mut Built<'_>) -> Option<Multipliers> {
     Some(Multipliers { rows, slopes })
 }
 
+/// What labels know beyond overlap, days and starts; multipliers do the rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Knows {
+    Nothing,
+    /// Thermal windows and the memory.
+    Heat,
+    /// These and gaps.
+    Gaps,
+}
+
 /// The Lagrangian relaxation that labels solve.
 struct Dual<'b> {
     built: &'b Built<'b>,
@@ -133,13 +156,28 @@ struct Dual<'b> {
 }
 
 impl<'b> Dual<'b> {
-    /// Labels charge gaps, or the multipliers do.
-    fn new((built, plain): (&'b Built<'_>, &'b Prices), gaps: bool) -> Dual<'b> {
+    /// The relaxation for labels that know so much.
+    fn new((built, plain): (&'b Built<'_>, &'b Prices), knows: Knows) -> Dual<'b> {
+        let gaps = knows == Knows::Gaps;
         let cells = built.program.cells.len();
         let cells_until = if gaps { cells - built.gaps.len() } else { cells };
         let worth = if gaps { built.gap_prices().map(i128::from).sum() } else { 0 };
         let which = Dualised { rows_from: built.further, cells_until };
-        Dual { built, plain, further: Further::of(built, gaps), which, gaps: worth }
+        let further = match knows {
+            Knows::Nothing => Further::default(),
+            Knows::Heat | Knows::Gaps => Further::of(built, gaps),
+        };
+        Dual { built, plain, further, which, gaps: worth }
+    }
+
+    /// The multipliers without those of thermal windows and the memory.
+    fn without_known(&self, mut at: Multipliers) -> Multipliers {
+        let built = self.built;
+        let grown = built.grown.iter().filter(|it| !built.is_of_angles(it.1)).map(|it| it.0);
+        for row in built.label_rows.clone().chain(grown) {
+            at.rows[row] = 0.0;
+        }
+        at
     }
 
     /// What labels visit at some multipliers, and what to add to their values.

@@ -111,7 +111,7 @@ fn settled(built: &Built<'_>, found: &Labelled, regime: Regime) -> Option<Outcom
         return None;
     }
     // The labels' own rules have no multipliers: the relaxation has.
-    let (prices, slopes) = if built.label_rows.is_empty() {
+    let (prices, slopes) = if found.all_priced {
         (found.multipliers.rows.clone(), found.multipliers.slopes.clone())
     } else {
         relax(&built.program, &vec![0.0; built.program.values.len()])?.per_unit()

@@ -115,6 +115,11 @@ impl<'m> Built<'m> {
         })
     }
 
+    /// Whether a family is one of scan angles.
+    pub(crate) fn is_of_angles(&self, family: usize) -> bool {
+        self.angles.iter().any(|it| it.family == family)
+    }
+
     /// Adds a family, and why it leaves sessions out.
     pub(super) fn family(&mut self, family: Box<dyn Family + 'm>, refusal: Because) {
         self.families.push(family);

@@ -257,7 +257,7 @@ impl<'m> Items<'m> {
         self.first_line() + self.heat.as_ref().map_or(0, |it| it.slots)
     }
 
-    pub(super) const fn len(&self) -> usize {
+    pub(in crate::schedule) const fn len(&self) -> usize {
         self.list.len()
     }
 
