@@ -1,15 +1,12 @@
-//! The schedule under all rules: the search by days where it is sharp, the integer programme for
-//! everything.
+//! The schedule under all rules: labels first, the integer programme for what they leave.
 //!
-//! Method: over many sessions the search by days (`daily/`) gives a schedule under overlap, days and
-//! windows of starts, and a bound; leaving rules out and charges away only raises a bound, so it holds
-//! under all rules. The integer programme (`joint/`, `crate::program`) starts from that schedule, knows
-//! every rule, and gives a second bound; the lower of the two counts. Without demands both see the same
-//! rules, and what the programme found is improved by days and by the programme once more: they exchange
-//! different sets, so each gets the other out of its local optimum. Demands that cannot be met are
-//! explained by `infeasible.rs`.
+//! Method: labels and multipliers (`lagrangian.rs`) give a schedule and a bound; where these are close the
+//! search ends. Else the integer programme (`joint/`, `crate::program`) starts from that schedule, knows
+//! every rule, and gives a second bound; the lower of the two counts. Where labels do not serve, the search
+//! by days (`daily/`) takes their place: leaving rules out and charges away only raises a bound, so its bound
+//! holds under all rules. Demands that cannot be met are explained by `infeasible.rs`.
 //!
-//! Limits: as both methods; the logarithmic objective has the programme alone.
+//! Limits: as the methods.
 
 use super::check::check;
 use super::daily::{self, Days, Relaxed, improved};
@@ -137,8 +134,6 @@ struct Regime {
     sessions: usize,
     /// Rules beyond those of single days and windows.
     demands: bool,
-    /// The objective is logarithmic.
-    log: bool,
     /// There is a search by days.
     by_days: bool,
 }
@@ -146,8 +141,7 @@ struct Regime {
 impl Regime {
     fn of(demands: &Demands, sessions: usize) -> Self {
         let by_days = demands.log.is_none() && sessions > FEW;
-        let log = demands.log.is_some();
-        Self { sessions, demands: !demands.is_empty(), log, by_days }
+        Self { sessions, demands: !demands.is_empty(), by_days }
     }
 
     /// More than [`MANY`] sessions.
