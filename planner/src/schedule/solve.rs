@@ -51,6 +51,8 @@ const ALONE_WORK: usize = 15_000_000_000;
 /// many sessions. Over few, the programme may prove more.
 const NEAR: i128 = 1_000;
 const NEAR_DEMANDS: i128 = 100;
+/// Rounding of sums of f64, as a share of an objective; a bound further below its own schedule is a defect.
+const ROUNDING: f64 = 1e-9;
 /// Rounds of rows of families before the search.
 const ROW_ROUNDS: usize = 8;
 
@@ -363,6 +365,9 @@ impl<'s> Search<'s> {
         let mut upper_bound = value_above(units, built);
         if let Some(days) = &self.prepared.days {
             upper_bound = upper_bound.min(days.bound);
+        }
+        if objective - upper_bound > ROUNDING * objective.abs().max(1e-300) {
+            return Err(ScheduleError::BoundBelow { objective, upper_bound });
         }
         let upper_bound = upper_bound.max(objective);
         let gap = (upper_bound - objective) / upper_bound.abs();

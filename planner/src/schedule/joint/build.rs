@@ -7,6 +7,9 @@ use crate::program::{Choice, Program};
 use crate::schedule::model::Model;
 use crate::schedule::problem::Problem;
 
+/// Largest charge at one place over the largest weight of a logarithm.
+const CHARGE_PER_WEIGHT: f64 = 256.0;
+
 /// The programme of a problem.
 pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts) -> Built<'m> {
     let demands = &problem.demands;
@@ -14,7 +17,8 @@ pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
         None => model.unit(),
         Some(log) => {
             let weights = problem.weights.iter().chain(log.weights.values());
-            (LARGEST_CELL, weights.copied().fold(f64::MIN_POSITIVE, f64::max))
+            let charge = demands.largest_charge() / CHARGE_PER_WEIGHT;
+            (LARGEST_CELL, weights.copied().fold(charge.max(f64::MIN_POSITIVE), f64::max))
         }
     };
     let count = model.sessions.len();
