@@ -6,7 +6,7 @@
 //! between ground contacts, wheel unloadings and station keeping. The plan goes into FOLDER, or into
 //! a temporary one; what is printed is read back from its `timeline.json`, as another program would.
 //!
-//! Limits: the proof leaves a gap of 4.8 %, because memory binds together with seasons and gaps
+//! Limits: the proof leaves a gap of 5.3 %, because memory binds together with seasons and gaps
 //! (`docs/scheduling.md`).
 
 use clap::Parser;

@@ -64,7 +64,9 @@ pub(crate) fn charged(
 /// What a set is worth, in units.
 pub(crate) fn worth_of(program: &Program, taken: &[usize]) -> i128 {
     let mut stands = vec![false; program.values.len()];
-    taken.iter().for_each(|&choice| stands[choice] = true);
+    for &choice in taken {
+        stands[choice] = true;
+    }
     let values: i128 = taken.iter().map(|&choice| i128::from(program.values[choice])).sum();
     let cells = program.cells.iter().map(|cell| {
         let added: i64 = cell.terms.iter().filter(|it| stands[it.0]).map(|it| it.1).sum();

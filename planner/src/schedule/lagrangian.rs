@@ -7,7 +7,7 @@
 //! schedule is better; those sessions without which a season falls short are at last fixed, and labels fill
 //! the rest by true values.
 //!
-//! Limits: [`ROUNDS`] rounds; the bound is that of the relaxation's multipliers.
+//! Limits: under demands, few or many sessions ([`FEW`], [`ALL_PRICED`]); [`ROUNDS`] rounds; the bound is that of the relaxation's multipliers.
 
 use super::check::check;
 use super::joint::Built;
@@ -24,6 +24,8 @@ use std::collections::BTreeSet;
 const ROUNDS: usize = 12;
 /// Rounds of rows of families in the relaxation.
 const ROW_ROUNDS: usize = 8;
+/// From so many sessions on to [`ALL_PRICED`] the programme alone is quicker where there are demands.
+const FEW: usize = 60;
 /// Up to so many sessions the relaxation prices thermal windows and the memory, too.
 const ALL_PRICED: usize = 15_000;
 /// Comparisons of labels in a round, and in a last pass.
@@ -68,8 +70,12 @@ pub(super) fn search(
     if built.program.choices.iter().filter(|it| **it == Choice::Always).count() < fixed.len() {
         return None;
     }
+    let count = built.model.sessions.len();
+    if !built.problem.demands.is_empty() && (FEW..=ALL_PRICED).contains(&count) {
+        return None;
+    }
     let linked = !built.program.cells.is_empty() || !built.angles.is_empty();
-    let all = built.model.sessions.len() <= ALL_PRICED && !built.label_rows.is_empty();
+    let all = count <= ALL_PRICED && !built.label_rows.is_empty();
     if !linked && !all {
         let nothing = Multipliers { rows: vec![0.0; built.program.rows.len()], slopes: Vec::new() };
         let dual = Dual::new((built, plain), Knows::Heat);

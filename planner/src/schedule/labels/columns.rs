@@ -1,7 +1,7 @@
 //! Labels by columns: one list for each number of a label, so that many are compared at a time.
 
 use super::items::{FREE, NEVER};
-use super::{MOST_AMOUNTS, MOST_PLACES};
+use super::size::{MOST_AMOUNTS, MOST_PLACES};
 use pulp::{Arch, NullaryFnOnce};
 use std::cmp::Reverse;
 

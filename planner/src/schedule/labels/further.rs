@@ -9,12 +9,11 @@
 //! Limits: the bound leaves out data that may be sent while it is produced, and windows between the lines;
 //! the schedule is checked window by window.
 
+use super::size::MOST_LINES;
 use crate::schedule::demands::Data;
 use crate::schedule::joint::Built;
 use crate::schedule::rule::Rule;
 
-/// Most lines of thermal windows that a label holds at a time.
-pub(super) const MOST_LINES: usize = 16;
 const NS: i128 = 1_000_000_000;
 
 /// A window of the longest gap on a lane.

@@ -3,7 +3,7 @@
 //! Starts and ends are ranks, which order as the instants do, so that they are compared in 32 bits.
 
 use super::further::{Due, Further, Heat, Memory};
-use super::{MOST_AMOUNTS, MOST_DAYS, MOST_PLACES};
+use super::size::{MOST_AMOUNTS, MOST_DAYS, MOST_PLACES};
 use crate::program::Choice;
 use crate::schedule::model::Model;
 use crate::schedule::price::Prices;
@@ -65,6 +65,41 @@ impl Class {
     pub(super) const fn copies(&self) -> usize {
         self.lanes.len()
     }
+}
+
+impl Produced {
+    fn new(memory: &Memory, (from, until): (i64, i64)) -> Self {
+        let all = until - from;
+        let left = (all - memory.sent(from, until)).max(0);
+        Self { all, left, peak: memory.peak(from, until) }
+    }
+}
+
+/// Ascending distinct times.
+fn sorted(mut times: Vec<i64>) -> Vec<i64> {
+    times.sort_unstable();
+    times.dedup();
+    times
+}
+
+/// The places behind the last starts that classes hold, and the windows of the longest gap by their ends.
+fn windows(
+    classes: &mut [Class],
+    further: &Further<'_>,
+    first: usize,
+) -> Option<(usize, Vec<(Due, usize)>)> {
+    let (mut places, mut dues) = (first, Vec::new());
+    for (index, class) in classes.iter_mut().enumerate() {
+        let own = further.gaps.get(class.lanes[0]).filter(|it| !it.is_empty());
+        if let Some(own) = own {
+            let until = places.checked_add(class.lanes.len()).filter(|it| *it <= MOST_PLACES)?;
+            class.last = places..until;
+            places = until;
+            dues.extend(own.iter().map(|due| (*due, index)));
+        }
+    }
+    dues.sort_by_key(|it| (it.0.until, it.0.from, it.1));
+    Some((places, dues))
 }
 
 /// All items, and the rules.
@@ -132,46 +167,19 @@ impl<'m> Items<'m> {
                 None => classes.push(Class { lanes: vec![lane], places: 0..0, last: 0..0 }),
             }
         }
-        let mut places = count;
-        for class in &mut classes {
-            let own = if model.lanes == 0 { 0 } else { class.lanes.len() };
-            let until = places.checked_add(own).filter(|it| *it <= MOST_PLACES)?;
-            class.places = places..until;
-            places = until;
-        }
-        let last_starts = places;
-        let mut dues: Vec<(Due, usize)> = Vec::new();
-        for (index, class) in classes.iter_mut().enumerate() {
-            let own = further.gaps.get(class.lanes[0]).filter(|it| !it.is_empty());
-            if let Some(own) = own {
-                let until =
-                    places.checked_add(class.lanes.len()).filter(|it| *it <= MOST_PLACES)?;
-                class.last = places..until;
-                places = until;
-                dues.extend(own.iter().map(|due| (*due, index)));
-            }
-        }
-        dues.sort_by_key(|it| (it.0.until, it.0.from, it.1));
+        let own = |class: &Class| if model.lanes == 0 { 0 } else { class.lanes.len() };
+        let last_starts = classes.iter_mut().try_fold(count, |from, class| {
+            let until = from.checked_add(own(class)).filter(|it| *it <= MOST_PLACES)?;
+            class.places = from..until;
+            Some(until)
+        })?;
+        let (places, dues) = windows(&mut classes, further, last_starts)?;
         let memory = further.memory.map(|it| Memory::new(it.0));
         let produced = |id: usize| match (&memory, further.memory) {
-            (Some(memory), Some((_, produces))) => {
-                let (from, until) = produces[id];
-                let all = until - from;
-                Produced {
-                    all,
-                    left: (all - memory.sent(from, until)).max(0),
-                    peak: memory.peak(from, until),
-                }
-            }
+            (Some(memory), Some((_, produces))) => Produced::new(memory, produces[id]),
             _ => Produced::default(),
         };
         let rank = |list: &[i64], at: i64| i32::try_from(list.partition_point(|it| *it < at)).ok();
-        let sorted = |times: Vec<i64>| {
-            let mut times = times;
-            times.sort_unstable();
-            times.dedup();
-            times
-        };
         let starts = sorted(sessions.iter().map(|it| it.start).collect());
         let ends = sorted(sessions.iter().map(|it| it.end).collect());
         let (mut list, mut days) = (Vec::new(), 1);
@@ -208,9 +216,9 @@ impl<'m> Items<'m> {
         let heat_limit = further.heat.filter(|it| it.1 >= day).map(|it| it.0);
         let day_limit = model.day_limit.map(|it| it.min(heat_limit.unwrap_or(it)));
         let heat = further.heat.map(|rule| {
-            let sorted_ends = sorted(list.iter().map(|it: &Item| it.end).collect());
-            let sorted_starts = sorted(list.iter().map(|it: &Item| it.start).collect());
-            Heat::new(rule, &sorted_starts, &sorted_ends, model.longest)
+            let starts = sorted(list.iter().map(|it: &Item| it.start).collect());
+            let ends = sorted(list.iter().map(|it: &Item| it.end).collect());
+            Heat::new(rule, &starts, &ends, model.longest)
         });
         let amounts = days + usize::from(memory.is_some()) + heat.as_ref().map_or(0, |it| it.slots);
         if amounts > MOST_AMOUNTS {
@@ -218,10 +226,6 @@ impl<'m> Items<'m> {
         }
         Some(Self {
             prices,
-            last_starts,
-            dues,
-            memory,
-            heat,
             list,
             classes,
             starts,
@@ -231,6 +235,10 @@ impl<'m> Items<'m> {
             count,
             window,
             places,
+            last_starts,
+            dues,
+            memory,
+            heat,
             of_lane,
         })
     }

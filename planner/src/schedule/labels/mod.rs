@@ -13,9 +13,10 @@
 //! lowered to theirs, which gives a bound (`pass.rs`).
 //!
 //! Limits: rules that link far times (seasons, gaps, memory, scan angles) are not known here. More than
-//! [`MOST_PLACES`] starts and lanes, or sessions over more than [`MOST_DAYS`] days, are left to the other
+//! `MOST_PLACES` starts and lanes, or sessions over more than `MOST_DAYS` days, are left to the other
 //! searches.
 
+mod size;
 mod items;
 mod columns;
 mod further;
@@ -30,14 +31,6 @@ use pass::{Keep, pass};
 pub(super) use further::Further;
 pub(super) use items::Items;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Most starts in a window, lanes and last starts together.
-pub(super) const MOST_PLACES: usize = 24;
-/// Most days that a session touches.
-pub(super) const MOST_DAYS: usize = 4;
-
-/// Most amounts of a label: days, memory, lines of thermal windows.
-const MOST_AMOUNTS: usize = MOST_DAYS + 1 + further::MOST_LINES;
 
 /// Comparisons of labels in one pass: some ten seconds.
 pub(super) const EFFORT: u64 = 20_000_000_000;

@@ -224,7 +224,9 @@ impl<'i> Front<'i> {
             let over = i64::from(self.keep == Keep::Merged);
             let sent = memory.sent(self.at, item.start) + over;
             let fill = &mut self.labels.used[self.items.fill()];
-            fill.iter_mut().for_each(|it| *it = it.saturating_sub(sent).max(0));
+            for held in fill.iter_mut() {
+                *held = held.saturating_sub(sent).max(0);
+            }
         }
         self.at = item.start;
         if let Some(heat) = &self.items.heat {
