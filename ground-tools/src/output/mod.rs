@@ -6,6 +6,7 @@
 //! closes it early is no error.
 
 pub mod unfinished;
+pub mod figures;
 pub mod interrupt;
 pub mod memory;
 pub mod stamp;
