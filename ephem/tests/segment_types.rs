@@ -17,7 +17,9 @@ const RECORD: usize = 1024;
 fn big_endian() -> Vec<u8> {
     let mut big = LITTLE.to_vec();
     let mut swap = |from: usize, width: usize| big[from..from + width].reverse();
-    [8, 12, 76, 80, 84].into_iter().for_each(|at| swap(at, 4));
+    for at in [8, 12, 76, 80, 84] {
+        swap(at, 4);
+    }
     (0..3).for_each(|index| swap(RECORD + 8 * index, 8));
     for summary in 0..25 {
         let from = RECORD + 24 + 40 * summary;

@@ -48,7 +48,7 @@ impl DifferenceLines {
                 return Err(("an order of differences", f64::NAN));
             };
             let used = line.steps.get(..line.largest.saturating_sub(2)).unwrap_or_default();
-            if let Some(step) = used.iter().find(|it| **it <= 0.0 && **it >= 0.0) {
+            if let Some(step) = used.iter().find(|it| it.abs() <= 0.0) {
                 return Err(("a stepsize", *step));
             }
         }

@@ -62,7 +62,7 @@ impl Packets {
 pub(super) struct Pieces {
     /// Bounds of the pieces, one more than there are pieces.
     bounds_s: Vec<f64>,
-    pieces: Vec<Packets>,
+    packets: Vec<Packets>,
     /// At a bound the later piece counts.
     is_later: bool,
 }
@@ -70,19 +70,19 @@ pub(super) struct Pieces {
 impl Pieces {
     /// A single piece.
     pub(super) fn one(packets: Packets) -> Self {
-        Self { bounds_s: Vec::new(), pieces: vec![packets], is_later: true }
+        Self { bounds_s: Vec::new(), packets: vec![packets], is_later: true }
     }
 
     /// Pieces between rising bounds.
-    pub(super) const fn new(bounds_s: Vec<f64>, pieces: Vec<Packets>, is_later: bool) -> Self {
-        Self { bounds_s, pieces, is_later }
+    pub(super) const fn new(bounds_s: Vec<f64>, packets: Vec<Packets>, is_later: bool) -> Self {
+        Self { bounds_s, packets, is_later }
     }
 
     /// The state at a time.
     pub(super) fn at(&self, at_s: f64) -> PosVel {
         let is_past = |bound: &f64| if self.is_later { *bound <= at_s } else { *bound < at_s };
         let index = self.bounds_s.partition_point(is_past).saturating_sub(1);
-        let piece = self.pieces.get(index.min(self.pieces.len().saturating_sub(1)));
+        let piece = self.packets.get(index.min(self.packets.len().saturating_sub(1)));
         let nowhere = (Vector3::repeat(f64::NAN), Vector3::repeat(f64::NAN));
         piece.map_or(nowhere, |piece| piece.at(at_s))
     }
@@ -90,7 +90,7 @@ impl Pieces {
     /// Times at which the interpolation bends.
     pub(super) fn joints_s(&self) -> Vec<f64> {
         let mut joints = self.bounds_s.clone();
-        for piece in &self.pieces {
+        for piece in &self.packets {
             joints.extend(piece.states.joints_s());
         }
         joints.sort_by(f64::total_cmp);
