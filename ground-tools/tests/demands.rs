@@ -251,7 +251,8 @@ fn a_thermal_window_as_long_as_the_mission_is_solved_to_the_end() {
     let plan = fortnight("thermal = { minutes = 180, window_hours = 336 }");
     let number = |key: &str| plan[key].as_f64().unwrap();
     assert!((number("objective") - 1_039.701_5).abs() < 1e-3, "{}", number("objective"));
-    assert!(number("gap") < 1e-9 && plan["stopped"] == "optimal", "{}", plan["stopped"]);
+    let stopped = plan["stopped"].as_str().unwrap();
+    assert!(number("gap") < 1e-9 && stopped.starts_with("optimal"), "{stopped}");
 }
 
 /// Nothing but gaps counts at such a price, in the schedule and in its bound.

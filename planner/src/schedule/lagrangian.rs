@@ -26,11 +26,14 @@ use std::ops::RangeInclusive;
 const ROUNDS: usize = 12;
 /// Rounds of rows of families in the relaxation.
 const ROW_ROUNDS: usize = 8;
-/// Numbers of sessions at which the programme alone does better where rules link far times.
+/// Numbers of sessions at which the programme does better where rules link far times, and where thermal
+/// windows or the memory leave labels too many.
 const BETWEEN: RangeInclusive<usize> = 60..=15_000;
 /// Comparisons of labels in a round, and in a last pass.
 const SHORT: u64 = EFFORT / 40;
 const LONG: u64 = EFFORT / 2;
+/// The same before the programme, where it does better.
+const BEFORE: u64 = EFFORT / 200;
 /// By which part of itself, and of the sessions' mean value, the multiplier of a broken rule rises at first,
 /// and how that grows from round to round.
 const STEP: f64 = 0.05;
@@ -75,7 +78,9 @@ pub(super) fn search(
         let dual = Dual::new((built, plain), false);
         let (items, constant) = dual.items(&nothing)?;
         progress.begin("labels", u64_from_usize(items.len()).saturating_mul(2));
-        let (found, bound) = labels::both(&items, EFFORT, progress)?;
+        let few = BETWEEN.contains(&built.model.sessions.len()) && !built.label_rows.is_empty();
+        let effort = if few { BEFORE } else { EFFORT };
+        let (found, bound) = labels::both(&items, effort, progress)?;
         let taken = dual.allowed(&found.taken).then_some(found.taken);
         let (bound, multipliers) = (bound + constant, Multipliers::default());
         return Some(Found { taken, bound, exact: found.exact, multipliers });
