@@ -1,7 +1,5 @@
 //! A kernel whose bodies end at different times.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-
 use ephem::kernel::{EARTH_MOON_BARYCENTER, Kernel, SUN};
 use ephem::time::parse_time;
 

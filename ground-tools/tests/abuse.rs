@@ -162,7 +162,8 @@ fn messages_are_escaped_and_bounded() {
     let long = format!("scan.alpha_deg={}", "9".repeat(100_000));
     let (code, error) = run(folder.path(), &["plan", "--set", &long]);
     assert!(code == 2 && error.len() < 1000, "{code} {}", error.len());
-    let keys: String = (0..2000).map(|key| format!("key{key} = 1\n")).collect();
+    let keys: Vec<String> = (0..2000).map(|key| format!("key{key} = 1\n")).collect();
+    let keys = keys.concat();
     std::fs::write(folder.path().join("m.toml"), format!("base = \"pico\"\n{keys}")).unwrap();
     let (code, error) = run(folder.path(), &["missions", "m.toml"]);
     assert!(code == 2 && error.lines().count() == 11, "{error}");

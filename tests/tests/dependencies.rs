@@ -67,7 +67,7 @@ fn what_stands_apart_links_the_same_arithmetic() {
     }
 }
 
-/// Crates of which RustSec says that they are unmaintained or unsound, in all versions or below one.
+/// Crates of which `RustSec` says that they are unmaintained or unsound, in all versions or below one.
 const ADVISED_AGAINST: [(&str, Option<&str>); 30] = [
     ("adler", None),
     ("ansi_term", None),

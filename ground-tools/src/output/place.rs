@@ -107,16 +107,16 @@ fn names(of: &Metadata) -> u64 {
 }
 
 /// The permissions of what is there, or those of a new file; the user's mask applies to these.
+#[cfg(unix)]
+#[expect(clippy::unnecessary_wraps, reason = "other systems have no permissions for a new file")]
 fn permissions(there: Option<&Metadata>) -> Option<Permissions> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        Some(there.map_or_else(|| Permissions::from_mode(0o666), Metadata::permissions))
-    }
-    #[cfg(not(unix))]
-    {
-        there.map(Metadata::permissions)
-    }
+    use std::os::unix::fs::PermissionsExt;
+    Some(there.map_or_else(|| Permissions::from_mode(0o666), Metadata::permissions))
+}
+
+#[cfg(not(unix))]
+fn permissions(there: Option<&Metadata>) -> Option<Permissions> {
+    there.map(Metadata::permissions)
 }
 
 /// Fills a file next to `path`; dropped before it is placed, it vanishes.

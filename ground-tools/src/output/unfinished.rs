@@ -57,11 +57,9 @@ impl Locked {
         std::fs::create_dir_all(folder)?;
         let lock = folder.join(LOCK);
         let file = File::options().create(true).append(true).open(&lock)?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Ok(None),
-            // Where the system has no locks there is none to wait for.
-            Err(TryLockError::Error(_)) => {}
+        // Where the system has no locks there is none to wait for.
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Ok(None);
         }
         if made {
             note(folder);

@@ -96,21 +96,21 @@ fn about(axis: usize, angle_rad: f64) -> [f64; 4] {
 }
 
 /// The Hamilton product.
-fn product(p: [f64; 4], q: [f64; 4]) -> [f64; 4] {
-    let ([a, b, c, d], [x, y, z, w]) = (p, q);
-    [
-        d * x + a * w + b * z - c * y,
-        d * y - a * z + b * w + c * x,
-        d * z + a * y - b * x + c * w,
-        d * w - a * x - b * y - c * z,
-    ]
+fn product(left: [f64; 4], right: [f64; 4]) -> [f64; 4] {
+    let dot = left[0] * right[0] + left[1] * right[1] + left[2] * right[2];
+    let part = |of: usize| {
+        let (next, last) = ((of + 1) % 3, (of + 2) % 3);
+        let cross = left[next] * right[last] - left[last] * right[next];
+        left[3] * right[of] + right[3] * left[of] + cross
+    };
+    [part(0), part(1), part(2), left[3] * right[3] - dot]
 }
 
 /// The axes of an `EULER_ROT_SEQ`.
 fn sequence(text: &str) -> Option<[usize; 3]> {
-    let axis = |c: char| "XYZ".find(c.to_ascii_uppercase()).or_else(|| "123".find(c));
-    let axes: Vec<usize> = text.chars().map(axis).collect::<Option<_>>()?;
-    let axes: [usize; 3] = axes.try_into().ok()?;
+    let place = |name: char| "XYZ".find(name.to_ascii_uppercase()).or_else(|| "123".find(name));
+    let places: Vec<usize> = text.chars().map(place).collect::<Option<_>>()?;
+    let axes: [usize; 3] = places.try_into().ok()?;
     (axes[0] != axes[1] && axes[1] != axes[2]).then_some(axes)
 }
 

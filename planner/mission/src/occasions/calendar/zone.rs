@@ -124,7 +124,7 @@ impl Zones {
         if UTC.iter().any(|it| it.eq_ignore_ascii_case(name)) {
             return Some(Zone::Utc);
         }
-        let windows = name.parse::<WindowsTimezone>().ok().map(|it| it.tzdb_id());
+        let windows = name.parse::<WindowsTimezone>().ok().map(WindowsTimezone::tzdb_id);
         // Names that are unique the world over end in the tz database's: /example.org/Europe/Paris.
         let mut tails = std::iter::successors(Some(name.trim_start_matches('/')), |name| {
             name.split_once('/').map(|it| it.1).filter(|it| it.contains('/'))
