@@ -3,7 +3,8 @@
 //! Method: one channel of the flight core's finder for each pair, run in parallel; then sorted by
 //! entry, target and line of sight. The ground adds nothing to the mathematics.
 
-use super::opportunity::{Opportunities, OpportunityError, Pass};
+use super::opportunity::{Opportunities, OpportunityError};
+use super::pass::Pass;
 use super::sight_line::{FieldKey, SightError, SightLine, of_plan};
 use crate::visits::transits;
 use crate::world::{TableFault, Tables, World, body};
@@ -69,7 +70,7 @@ impl Offers {
         let lines = of_plan(&world.mission)?;
         let found = search(world, tables.parse()?, &lines)?;
         let passes = passes(&found, &lines)?;
-        let opportunities = Opportunities::group(&passes, &world.scan)?;
+        let opportunities = Opportunities::group(&passes, &world.scan, world.mission.sessions())?;
         Ok(Self { lines, found, opportunities })
     }
 }
