@@ -219,7 +219,7 @@ impl<'w> VectorSet<'w> {
         }
         let mut vectors = Vec::new();
         for elapsed in times {
-            let at = world.start.plus(elapsed);
+            let at = world.zero().plus(elapsed);
             let anti_sun = sun.state(world.start, at).map_err(TableFault)?;
             let (precession, spin) = world.scan.phases(at);
             let (precession_count, spin_count) = world.scan.turns(at);
