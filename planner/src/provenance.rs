@@ -44,6 +44,9 @@ pub struct Provenance {
     pub start_tdb: String,
     /// Zero of the scan clock, ns of TAI since 2000-01-01T12:00:00 TAI.
     pub start_tai_ns: i64,
+    /// First and last instant of a window of the mission, TDB, where only that was looked at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window_tdb: Option<[String; 2]>,
     /// Program and version.
     pub program: String,
 }
@@ -64,8 +67,10 @@ impl Provenance {
             table_sha256: None,
             files: world.files.clone(),
             last_leap_second: last_leap_second(),
-            start_tdb: format_tdb(world.start),
-            start_tai_ns: world.start.tai_ns(),
+            start_tdb: format_tdb(world.zero()),
+            start_tai_ns: world.zero().tai_ns(),
+            window_tdb: (world.mission_span() != (world.start, world.end))
+                .then(|| [world.start, world.end].map(format_tdb)),
             program: PROGRAM.to_owned(),
         }
     }
@@ -98,7 +103,8 @@ impl Provenance {
         ];
         let lines =
             lines.into_iter().filter_map(|(key, value)| Some((key, value?.as_str().into())));
-        lines.chain(files).map(|(key, value)| (key, on_one_line(value)))
+        let window = self.window_tdb.as_ref().map(|it| ("window_tdb", it.join(" to ").into()));
+        lines.chain(window).chain(files).map(|(key, value)| (key, on_one_line(value)))
     }
 }
 

@@ -30,6 +30,7 @@ use ephem::trajectory::{Trajectory, TrajectoryError};
 use mission::calibration::{CalibrationSource, SourceDirection};
 use mission::digest::sha256_hex;
 use mission::orbit::{Observer, Trajectory as TrajectoryKey};
+use mission::sessions::Sessions;
 use mission::{FilePath, Mission, in_any_case, meant, rounding};
 use onboard_core::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SUN};
 use onboard_core::phase::{Phase, Rotor};
@@ -51,9 +52,9 @@ pub struct World {
     pub files: Vec<FileDigest>,
     /// The mission as read.
     pub mission: Mission,
-    /// First instant of the mission.
+    /// First instant of what is looked at: the mission's start, or a window's.
     pub start: Instant,
-    /// Last instant of the mission.
+    /// Last instant of it.
     pub end: Instant,
     /// Its scanning strategy.
     pub scan: ScanStrategy,
@@ -108,6 +109,16 @@ pub enum WorldError {
     /// The onboard table cannot be fitted.
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// A window that is not the mission's.
+    #[error("from {} to {} TDB: a window within the mission is needed, {} to {} TDB", format_tdb(*from), format_tdb(*until), format_tdb(mission.0), format_tdb(mission.1))]
+    Window {
+        /// Its first instant.
+        from: Instant,
+        /// Its last.
+        until: Instant,
+        /// The mission's.
+        mission: (Instant, Instant),
+    },
     /// A target that the mission does not have.
     #[error("{name} is none of the mission's targets: one of {} is needed{}", known.join(", "), meant(name, known).map_or(String::new(), |it| format!(" (did you mean {it}?)")))]
     NoSuchTarget {
@@ -209,6 +220,45 @@ impl World {
         Ok(Self { files, mission, start, end, scan, sky, targets, avoided, circular_sun })
     }
 
+    /// Zero of the scan clock: the mission's start.
+    #[must_use]
+    pub const fn zero(&self) -> Instant {
+        self.scan.parameters().start
+    }
+
+    /// First and last instant of the mission.
+    #[must_use]
+    pub const fn mission_span(&self) -> (Instant, Instant) {
+        (self.zero(), self.zero().plus(self.mission.span.duration))
+    }
+
+    /// Looks at a window of the mission alone; its clock goes on as before.
+    ///
+    /// # Errors
+    /// [`WorldError::Window`] for one that is empty or reaches beyond the mission.
+    pub fn keep_window(&mut self, from: Instant, until: Instant) -> Result<(), WorldError> {
+        let mission = self.mission_span();
+        if from < mission.0 || until > mission.1 || from >= until {
+            return Err(WorldError::Window { from, until, mission });
+        }
+        (self.start, self.end) = (from, until);
+        Ok(())
+    }
+
+    /// What must be known to tell the sessions of the window as the whole mission has them: the window, and
+    /// what one session may reach beyond it.
+    #[must_use]
+    pub fn reach(&self) -> (Instant, Instant) {
+        let beyond_ns = match self.mission.sessions() {
+            Sessions::ByTurn => self.mission.scan.precession_period().ns(),
+            Sessions::ByPause { gap, longest, .. } => longest.ns().saturating_add(gap.ns()),
+        };
+        let (first, last) = self.mission_span();
+        let before = Duration::from_ns(beyond_ns.saturating_neg());
+        let after = Duration::from_ns(beyond_ns);
+        (self.start.plus(before).max(first), self.end.plus(after).min(last))
+    }
+
     /// Keeps only the targets named, in the mission's order; none named keeps all.
     ///
     /// # Errors
@@ -267,13 +317,13 @@ impl World {
         ))
     }
 
-    /// Fits the table of the Sun, the targets and the bodies to avoid over the mission.
+    /// Fits the table of the Sun, the targets and the bodies to avoid over the mission, or as far as a
+    /// window reaches.
     ///
     /// # Errors
     /// [`WorldError`] where kernel, trajectory or sources do not cover the mission.
     pub fn tables(&self, options: &FitOptions) -> Result<Tables, WorldError> {
-        let span = (self.start, self.end);
-        let fitted = fit(&self.sky, &self.sources(), span, options)?;
+        let fitted = fit(&self.sky, &self.sources(), self.reach(), options)?;
         Ok(Tables { fitted })
     }
 

@@ -5,10 +5,12 @@ pub(crate) mod quantities;
 mod shared;
 mod arguments;
 mod overrides;
+mod window;
 
 pub use arguments::*;
 pub use overrides::mission;
 pub use shared::{Format, SharedArgs};
+pub use window::{Window, window};
 
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;

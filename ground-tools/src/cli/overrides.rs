@@ -51,7 +51,7 @@ fn overrides(shared: &SharedArgs) -> Result<Vec<Override>, MissionError> {
     if let Some(start) = &shared.start {
         option("--start", "span.start", start);
     }
-    if let Some(duration) = &shared.duration {
+    if let Some(duration) = shared.duration.as_ref().filter(|_| shared.from.is_none()) {
         let seconds = quantity::seconds(duration).map_err(|error| Fault {
             origin: "--duration".to_owned(),
             line: None,

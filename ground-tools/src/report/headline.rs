@@ -9,11 +9,16 @@ use serde_json::Value;
 /// The mission and its span.
 pub(super) fn title(source: &Source) -> Markup {
     let mission = &source.world.mission;
+    let (start, end) = (source.world.start, source.world.end);
+    let days = if source.world.mission_span() == (start, end) {
+        mission.span.duration_days.text().to_owned()
+    } else {
+        format!("{:.3}", end.since(start).seconds() / 86_400.0)
+    };
     html! {
         h1 { (mission.name) " " span.what { "calibration plan" } }
         p.span {
-            (minute_tdb(Instant::from_tai_ns(source.timeline.provenance.start_tai_ns)))
-            " TDB for " (mission.span.duration_days) " days, "
+            (minute_tdb(source.world.start)) " TDB for " (days) " days, "
             (mission.telescopes.len()) @if mission.telescopes.len() == 1 { " telescope" } @else { " telescopes" }
             ", " (source.world.targets.len()) @if source.world.targets.len() == 1 { " target" } @else { " targets" }
         }

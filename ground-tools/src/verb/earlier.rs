@@ -67,12 +67,12 @@ impl Earlier {
                 before.mission
             )));
         }
-        if before.start_tai_ns != world.start.tai_ns() {
+        if before.start_tai_ns != world.zero().tai_ns() {
             return Err(Failure::Input(format!(
                 "{place} is a plan of {mission} from {}, but this mission starts at {}: precession \
                  turns, and so the ids of sessions, count from the start, which must be the same",
                 before.start_tdb,
-                format_tdb(world.start)
+                format_tdb(world.zero())
             )));
         }
         let mut ids = BTreeSet::new();

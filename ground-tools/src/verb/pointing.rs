@@ -1,7 +1,7 @@
 //! `gyrfalcon pointing`: attitude, direction, crossing angle and plate angle over a span, as rows or
 //! as an attitude ephemeris message.
 
-use super::asked::world;
+use super::asked::{window, world};
 use super::delivered::{deliver, form, sink};
 use super::told::print_json;
 use crate::cli::{Format, PointingArgs, SharedArgs};
@@ -80,7 +80,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
         )));
     };
     let instants = &arguments.instants;
-    let times = instants.within(world.mission.span.duration)?;
+    let times = instants.within(window(&world))?;
     let is_message = form(shared)? == Format::Aem;
     match (is_message, instants.step.is_some(), instants.at.is_empty()) {
         (true, _, false) => {
@@ -185,7 +185,7 @@ fn row(
     line: &SightLine,
     elapsed: Duration,
 ) -> Result<Row, Failure> {
-    let at = world.start.plus(elapsed);
+    let at = world.zero().plus(elapsed);
     let seen = sweep(&world.scan, sun, line.rotation, at).map_err(TableFault)?;
     let hwp = line.hwp.map(|plate| hwp_phase(&world.scan, plate, at));
     Ok(Row { elapsed, at, seen, hwp })

@@ -1,6 +1,6 @@
 //! `gyrfalcon vectors`: test vectors for flight code.
 
-use super::asked::world;
+use super::asked::{window, world};
 use super::delivered::{form, sink};
 use super::table::container;
 use super::told::{print_json, warn};
@@ -65,9 +65,10 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VectorsArgs) -> Result<(), Fa
 /// The elapsed times asked for, rising where they are drawn or stepped.
 fn instants(world: &World, arguments: &VectorsArgs) -> Result<Vec<Duration>, Failure> {
     let named = &arguments.instants;
-    let whole = world.mission.span.duration.ns();
+    let (from, until) = window(world);
+    let whole = until.ns() - from.ns();
     let times: Vec<Duration> = if named.step.is_some() || !named.at.is_empty() {
-        named.within(world.mission.span.duration)?.take(MOST + 1).collect()
+        named.within((from, until))?.take(MOST + 1).collect()
     } else {
         let count = i64::from(arguments.count.map_or(DEFAULT_COUNT, std::num::NonZeroU32::get));
         let mut drawn: Vec<i64> = match arguments.seed {
@@ -78,7 +79,7 @@ fn instants(world: &World, arguments: &VectorsArgs) -> Result<Vec<Duration>, Fai
             None => (0..count).map(|index| spaced(whole, index, count)).collect(),
         };
         drawn.sort_unstable();
-        drawn.into_iter().map(Duration::from_ns).collect()
+        drawn.into_iter().map(|it| Duration::from_ns(from.ns() + it)).collect()
     };
     if times.len() > MOST {
         return Err(Failure::Input(format!(

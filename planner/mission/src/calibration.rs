@@ -36,6 +36,7 @@ use crate::reading::range::Range;
 use crate::reading::section::{Section, duplicates, one_of_meant};
 use crate::rounding;
 use crate::schedule::{Schedule, Weight};
+use crate::sessions::Asked;
 use num_traits::{One, Zero};
 
 /// Targets that need no source: planets (from Mars on, the Earth aside, system barycentres), the
@@ -53,6 +54,8 @@ pub struct Calibration {
     pub targets: Vec<String>,
     /// Radius of a transit about a line of sight.
     pub radius_deg: Number,
+    /// Which passes belong together, where that is asked for.
+    pub(crate) session: Option<Asked>,
     /// Directions of the user's own.
     pub sources: Vec<CalibrationSource>,
     /// What binds the timeline.
@@ -125,6 +128,7 @@ impl Calibration {
     pub(crate) fn read(section: &mut Section<'_>, telescopes: usize) -> Self {
         let target_nodes = target_nodes(section);
         let radius_deg = section.number("radius_deg", &RADIUS, Some("0.5"));
+        let session = section.inline("session", Asked::read);
         let sources = section.tables("source", CalibrationSource::read);
         duplicates(section, "source", sources.iter().map(|source| source.name.as_str()));
         let legal: Vec<&str> =
@@ -137,7 +141,7 @@ impl Calibration {
         section.record("targets", format!("[{}]", items.join(", ")));
         let schedule =
             section.table("schedule", |s| Schedule::read(s, telescopes, &targets, &legal));
-        Self { targets, radius_deg, sources, schedule }
+        Self { targets, radius_deg, session, sources, schedule }
     }
 }
 

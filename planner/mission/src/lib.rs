@@ -42,6 +42,7 @@ mod detector;
 mod focal_plane;
 pub mod telescope;
 pub mod schedule;
+pub mod sessions;
 pub mod calibration;
 mod mission;
 pub mod occasions;

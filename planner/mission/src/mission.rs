@@ -19,6 +19,7 @@ use crate::reading::document::{Place, Table};
 use crate::reading::findings::Findings;
 use crate::reading::section::{Section, duplicates};
 use crate::scan::{Scan, Tolerance};
+use crate::sessions::Sessions;
 use crate::span::Span;
 use crate::telescope::Telescope;
 use onboard_core::scan::{ScanError, ScanParameters, ScanStrategy};
@@ -151,6 +152,12 @@ impl Mission {
     #[must_use]
     pub fn path(&self, file: &FilePath) -> PathBuf {
         file.within(&self.directory)
+    }
+
+    /// Which passes of a target over a telescope belong to one session.
+    #[must_use]
+    pub fn sessions(&self) -> Sessions {
+        Sessions::of(self.calibration.session.as_ref(), &self.scan)
     }
 
     /// The mission with every key explicit, as TOML that reads back as the same mission.

@@ -102,6 +102,12 @@ impl Scan {
         self.warnings().is_empty()
     }
 
+    /// A precession turn, rounded to nanoseconds.
+    #[must_use]
+    pub fn precession_period(&self) -> Duration {
+        rounding::duration(&self.precession_period_min.times(60, 1)).unwrap_or(Duration::ZERO)
+    }
+
     pub(crate) fn warnings(&self) -> Vec<Warning> {
         let (alpha, beta) = (self.alpha_deg.exact(), self.beta_deg.exact());
         let quarter = BigRational::from_integer(90.into());

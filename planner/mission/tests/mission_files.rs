@@ -4,6 +4,7 @@ use mission::calibration::SourceDirection;
 use mission::number::Number;
 use mission::orbit::{Observer, Sun, Trajectory};
 use mission::schedule::Weight;
+use mission::sessions::Sessions;
 use mission::{Mission, Override};
 use onboard_core::direction::Direction;
 use onboard_core::phase::Phase;
@@ -115,6 +116,10 @@ fn a_mission_file_has_every_key() {
     // Detector x is (0.28, 0.96, 0) in the telescope, then about y.
     assert!((x - 0.28 * 0.28).abs() < 1e-15 && (y - 0.96).abs() < 1e-15);
     assert!((z + 0.28 * 0.96).abs() < 1e-15);
+
+    let (gap, longest) = (Duration::from_seconds(3600.0), Duration::from_seconds(14_400.0));
+    assert!(matches!(mission.sessions(), Sessions::ByPause { gap: g, longest: l, .. }
+        if (g, l) == (gap, longest)));
 
     let lft = &mission.telescopes[1];
     assert_eq!(lft.detector_grid_deg.as_ref().unwrap().text(), "2.0");

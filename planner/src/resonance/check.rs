@@ -129,9 +129,9 @@ impl ResonanceCheck {
         };
         let beyond = Sky { trajectory: Trajectory::l2(), ..world.sky.clone() };
         let direction = |share: f64| -> Result<[f64; 2], CheckError> {
-            let at = world.start.plus(Duration::from_seconds(share * duration_s));
+            let at = world.zero().plus(Duration::from_seconds(share * duration_s));
             // Beyond the mission a trajectory may end; L2 has its longitude.
-            let sky = if at <= world.end { &world.sky } else { &beyond };
+            let sky = if at <= world.mission_span().1 { &world.sky } else { &beyond };
             let direction = sky.sun_to_spacecraft(at)?;
             Ok([direction.longitude_rad(), direction.latitude_rad()])
         };

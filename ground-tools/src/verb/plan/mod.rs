@@ -3,6 +3,7 @@
 mod wishes;
 mod contradiction;
 mod folder;
+mod never;
 mod summary;
 
 use super::asked::world;
@@ -25,6 +26,7 @@ use formats::sequence::number_after_plan;
 use formats::timeline::timeline;
 use formats::uplink::slow_checks;
 use mission::occasions::Blackouts;
+use never::never;
 use planner::plan::plan;
 use planner::resonance::check::Resonances;
 use planner::schedule::{Stopped, check};
@@ -81,6 +83,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     }
     let (tables, offers) = (&plan.offered.tables, &plan.offered.offers);
     let opportunities = &offers.opportunities;
+    warn(shared, never(&plan.schedule.rejected, opportunities.list().len()).as_slice());
     let mut timeline = timeline(&world, &plan, resonance.as_ref())?;
     if plan.schedule.stopped == Stopped::Interrupted {
         timeline.stopped = search_limit.told();

@@ -1,5 +1,6 @@
 //! What `plan` says: sessions, hours, objective, the first two weeks.
 
+use ephem::time::format_tdb;
 use formats::resonance::{minutes, sentence};
 use formats::timeline::Timeline;
 use onboard_core::time::Duration;
@@ -93,10 +94,9 @@ pub(super) fn told(
     }
     let _ = write!(
         text,
-        "{}: calibration timeline, {} for {} days\nkernel {}, trajectory {}\n\n",
+        "{}: calibration timeline, {}\nkernel {}, trajectory {}\n\n",
         mission.name,
-        mission.span.start.text(),
-        mission.span.duration_days,
+        span(world),
         timeline.provenance.kernel,
         timeline.provenance.trajectory
     );
@@ -144,6 +144,16 @@ pub(super) fn told(
     first_weeks(&mut text, world, timeline);
     let _ = writeln!(text, "\nwritten to {}: {}", folder.display(), files.join(", "));
     text
+}
+
+/// The mission's span, or its window.
+fn span(world: &World) -> String {
+    let mission = &world.mission.span;
+    let whole = format!("{} for {} days", mission.start.text(), mission.duration_days);
+    if world.mission_span() == (world.start, world.end) {
+        return whole;
+    }
+    format!("{} to {} TDB of {whole}", format_tdb(world.start), format_tdb(world.end))
 }
 
 /// The sessions that start in the first two weeks.

@@ -55,6 +55,13 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
     let tolerance = arguments.tolerance.as_deref().map(options::tolerance).transpose()?;
     let actuators = Actuators::read(&arguments.actuators)?;
     let scan = arguments.scan.as_deref().map(Periods::scan).transpose()?;
+    if shared.from.is_some() || shared.until.is_some() {
+        return Err(Failure::Input(
+            "resonances are judged from the mission's start on: leave --from and --until out, or choose \
+             --duration"
+                .to_owned(),
+        ));
+    }
     let mut world = world(shared)?;
     world.targets.clear();
     let span_s = world.end.since(world.start).seconds();

@@ -27,7 +27,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
     let limit_arcsec = angle_rad("--limit", &arguments.limit)? * ARCSECONDS_PER_RADIAN;
     let mut world = world(shared)?;
     let name = file_name(&arguments.file);
-    let history = History::parse(&read(&arguments.file)?, world.start)
+    let history = History::parse(&read(&arguments.file)?, world.zero())
         .map_err(|error| Failure::Input(format!("{name}: {error}")))?;
     let measured = measured(&world, &history, arguments, &name)?;
     world.targets.clear();
@@ -120,8 +120,8 @@ fn measured(
         .map(|row| {
             if row.at < world.start || row.at > world.end {
                 return Err(Failure::Input(format!(
-                    "{name}: line {}: {} TDB lies outside the mission, {} to {} TDB: other --start \
-                     or --duration are needed",
+                    "{name}: line {}: {} TDB lies outside the mission, {} to {} TDB: another \
+                     --start, --duration or window is needed",
                     row.line,
                     format_tdb(row.at),
                     format_tdb(world.start),
