@@ -1,5 +1,4 @@
 //! Every preset's plan of sixty days, as it was looked at.
-#![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 
 use serde_json::Value;
 use std::fmt::Write;

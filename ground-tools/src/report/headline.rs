@@ -3,7 +3,6 @@
 use super::names::{Names, grouped, minute, minute_tdb, real, total};
 use super::source::Source;
 use maud::{Markup, html};
-use onboard_core::time::Instant;
 use serde_json::Value;
 
 /// The mission and its span.

@@ -17,6 +17,7 @@ use crate::rounding;
 use num_rational::BigRational;
 use num_traits::Signed;
 use onboard_core::phase::{Phase, Rotor, TurnRate};
+use onboard_core::time::Duration;
 
 /// The scanning strategy and how it is sampled.
 #[derive(Debug, Clone, PartialEq)]

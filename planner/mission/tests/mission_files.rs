@@ -117,9 +117,22 @@ fn a_mission_file_has_every_key() {
     assert!((x - 0.28 * 0.28).abs() < 1e-15 && (y - 0.96).abs() < 1e-15);
     assert!((z + 0.28 * 0.96).abs() < 1e-15);
 
-    let (gap, longest) = (Duration::from_seconds(3600.0), Duration::from_seconds(14_400.0));
-    assert!(matches!(mission.sessions(), Sessions::ByPause { gap: g, longest: l, .. }
-        if (g, l) == (gap, longest)));
+    assert_eq!(
+        mission.sessions(),
+        Sessions::ByPause {
+            gap: Duration::from_seconds(3600.0),
+            longest: Duration::from_seconds(14_400.0),
+            breath: Duration::from_ns(
+                mission
+                    .scan
+                    .spin_period_min
+                    .times(15_000_000_000, 1)
+                    .to_integer()
+                    .try_into()
+                    .unwrap()
+            ),
+        }
+    );
 
     let lft = &mission.telescopes[1];
     assert_eq!(lft.detector_grid_deg.as_ref().unwrap().text(), "2.0");
