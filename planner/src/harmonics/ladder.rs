@@ -113,6 +113,10 @@ fn settled(mut value: Scaled) -> Scaled {
         value.x /= UNIT;
         value.units += 1;
     }
+    while value.x.abs() > LARGE && value.units > 0 {
+        value.x *= UNIT;
+        value.units -= 1;
+    }
     value
 }
 
