@@ -8,6 +8,7 @@ use planner::healpix::{Nside, Ordering};
 use planner::mapmaking::StokesMaps;
 use planner::provenance::Provenance;
 use planner::survey::{MapFrame, Moment, SurveyMaps};
+use planner::systematics::Residual;
 use std::io::Write;
 
 /// How pixels of files are numbered, and in which frame.
@@ -114,6 +115,31 @@ pub fn write_stokes(
         Column { name: "HITS", unit: "samples", values: Values::Integer(&hits) },
     ];
     let header = layout.header((nside, "STOKES"), origin);
+    let header = MapHeader { polcconv: Some(Polcconv::Cosmo), ..header };
+    write_maps(out, &header, &columns)
+}
+
+/// Writes what a systematic effect leaves: dI, dQ and dU, COSMO sense, uK of the CMB; RING order, no
+/// value where a pixel has no solution.
+///
+/// # Errors
+/// What `out` failed with.
+pub fn write_residual(
+    out: &mut dyn Write,
+    residual: &Residual,
+    frame: MapFrame,
+    origin: (&Provenance, &str),
+) -> Result<(), WriteError> {
+    let i = |pixel: u32| residual.intensity[pixel as usize];
+    let q = |pixel: u32| residual.polarisation[pixel as usize].re;
+    let u = |pixel: u32| residual.polarisation[pixel as usize].im;
+    let columns = [
+        Column { name: "I_STOKES", unit: "uK_CMB", values: Values::Double(&i) },
+        Column { name: "Q_STOKES", unit: "uK_CMB", values: Values::Double(&q) },
+        Column { name: "U_STOKES", unit: "uK_CMB", values: Values::Double(&u) },
+    ];
+    let layout = Layout { ordering: Ordering::Ring, frame };
+    let header = layout.header((residual.nside(), "RESIDUAL"), origin);
     let header = MapHeader { polcconv: Some(Polcconv::Cosmo), ..header };
     write_maps(out, &header, &columns)
 }
