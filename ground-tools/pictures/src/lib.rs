@@ -24,13 +24,11 @@ mod sky_map;
 mod raster;
 mod sky;
 mod chart;
-mod figure;
 
 pub use chart::{Axis, Band, Chart, Mark, Series, Shape, chart};
 pub use colour::{ColourMap, Range, Scale};
 pub use drawing::Drawing;
 pub use error::PictureError;
-pub use figure::{Figure, write_figures};
 pub use projection::View;
 pub use sky::{SkyPicture, Track, sky_picture};
 pub use sky_map::SkyMap;
