@@ -1,4 +1,4 @@
-//! Coefficients of a real field: a_lm for m not negative.
+//! Coefficients of a real field: `a_lm` for m not negative.
 //!
 //! Those of negative m are `a_(l,-m) = (-1)^m conj a_lm`.
 //!

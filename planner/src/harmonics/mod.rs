@@ -31,12 +31,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#![expect(
-    clippy::similar_names,
-    clippy::many_single_char_names,
-    reason = "sines and cosines, degrees and orders"
-)]
-
 pub(crate) mod wigner;
 pub(crate) mod quadrature;
 mod alm;

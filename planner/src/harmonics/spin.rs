@@ -39,7 +39,7 @@ impl SpinAlm {
     #[must_use]
     pub fn pair(&self, l: usize, m: usize) -> [Complex64; 2] {
         let (e, b) = (self.e.at(l, m), self.b.at(l, m));
-        let sign = if m % 2 == 0 { -1.0 } else { 1.0 };
+        let sign = if m.is_multiple_of(2) { -1.0 } else { 1.0 };
         [-(e + Complex64::I * b), (e.conj() + Complex64::I * b.conj()) * sign]
     }
 

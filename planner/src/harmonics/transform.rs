@@ -215,16 +215,16 @@ fn check(spin: usize, l_max: usize) -> Result<(), TransformError> {
 
 /// Coefficients of an order from its lowest degree, with all factors but the Wigner functions.
 fn columns(field: &SpinAlm, m: usize, start: usize) -> Vec<Column> {
-    let by_spin = if field.spin % 2 == 0 { 1.0 } else { -1.0 };
+    let by_spin = if field.spin.is_multiple_of(2) { 1.0 } else { -1.0 };
     (start..=field.l_max())
         .map(|l| {
             let [plus, minus] = field.pair(l, m);
-            let by_order = if m % 2 == 0 { 1.0 } else { -1.0 };
+            let by_order = if m.is_multiple_of(2) { 1.0 } else { -1.0 };
             let size = normalisation(l);
             // a_lm sY_lm = a_lm (-1)^s N_l d_(m,-s), and for -m with (-1)^m N_l d_(m,s)
             let plus = plus * (size * by_spin);
             let minus = if m == 0 { Complex64::ZERO } else { minus * (size * by_order) };
-            let mirror = if (l + m) % 2 == 0 { 1.0 } else { -1.0 };
+            let mirror = if (l + m).is_multiple_of(2) { 1.0 } else { -1.0 };
             let parts = [plus.re, plus.im, minus.re, minus.im];
             std::array::from_fn(|at| if at < 4 { parts[at] } else { mirror * parts[at - 4] })
         })

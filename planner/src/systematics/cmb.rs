@@ -141,7 +141,9 @@ mod tests {
         let [flat, tilted] = [TensorTilt::Scaleless, TensorTilt::Consistency]
             .map(|tilt| CmbSpectra::embedded(tilt).unwrap());
         assert_eq!((flat.l_max(), flat.tt.len()), (600, 601));
-        assert!((flat.tt[2] - 1063.27432).abs() < 1e-9 && (flat.te[3] - 1.53859687).abs() < 1e-12);
+        assert!(
+            (flat.tt[2] - 1_063.274_32).abs() < 1e-9 && (flat.te[3] - 1.538_596_87).abs() < 1e-12
+        );
         assert!((tilted.tensor_bb[2] / flat.tensor_bb[2] - 2.0101).abs() < 1e-3);
     }
 

@@ -8,6 +8,7 @@
 //!
 //! Limits: `delta_r` does not depend on `f_sky`, its error does. Not linear in S once `r T` is near L.
 
+use crate::harmonics::gaussian_beam;
 use thiserror::Error;
 
 /// Default range of degrees.
@@ -65,12 +66,31 @@ pub enum LikelihoodError {
     Sky(f64),
 }
 
+/// White noise of the polarisation seen through a Gaussian beam, the beam divided out: in uK^2 by l
+/// from 0 to `l_max`, zero below 2.
+#[must_use]
+pub fn white_noise(uk_arcmin: f64, fwhm_rad: f64, l_max: usize) -> Vec<f64> {
+    let density = (uk_arcmin * std::f64::consts::PI / 10_800.0).powi(2);
+    // N_l = w^2 / b_l^2
+    let of = |(l, beam): (usize, f64)| if l < 2 { 0.0 } else { density / (beam * beam) };
+    gaussian_beam(fwhm_rad, 2, l_max).into_iter().enumerate().map(of).collect()
+}
+
 impl Likelihood {
     /// Over the default degrees of the full sky, without noise.
     #[must_use]
     pub fn new(tensor: &[f64], lensing: &[f64]) -> Self {
         let (tensor, lensing) = (tensor.to_vec(), lensing.to_vec());
         Self { tensor, lensing, degrees: DEGREES, f_sky: 1.0 }
+    }
+
+    /// With noise of B, by l from 0, beside lensing; degrees beyond its end have none.
+    #[must_use]
+    pub fn with_noise(mut self, noise: &[f64]) -> Self {
+        for (power, noise) in self.lensing.iter_mut().zip(noise) {
+            *power += noise;
+        }
+        self
     }
 
     /// The bias that a systematic spectrum makes, by l from 0.
@@ -149,10 +169,10 @@ mod tests {
             (likelihood(TensorTilt::Scaleless), likelihood(TensorTilt::Consistency));
         for (likelihood, systematic, expected) in [
             (&scaleless, &flat, 0.000_336_207_263_126_271_25),
-            (&tilted, &flat, 5.746_463_605_833_619_4e-5),
+            (&tilted, &flat, 5.746_463_605_833_619e-5),
             (&scaleless, &falling, 0.000_113_231_587_682_832_26),
             (&tilted, &falling, 6.030_101_348_583_528e-5),
-            (&scaleless, &quadrupole, 0.000_217_970_007_239_517_67),
+            (&scaleless, &quadrupole, 0.000_217_970_007_230_957_62),
         ] {
             let found = likelihood.bias(systematic).unwrap();
             assert!((found.delta_r / expected - 1.0).abs() < 1e-9, "{found:?} {expected}");
@@ -164,6 +184,23 @@ mod tests {
         let half = Likelihood { f_sky: 0.5, ..scaleless.clone() }.bias(&tensors).unwrap();
         assert!((half.sigma_r / found.sigma_r - 2.0_f64.sqrt()).abs() < 1e-12);
         assert!(scaleless.bias(&[0.0; 192]).unwrap().delta_r.abs() < 1e-300);
+    }
+
+    #[test]
+    fn noise_stands_beside_lensing() {
+        let noise = white_noise(2.0, 0.0, 191);
+        // 2 uK arcmin: (2 * 2.908882e-4)^2
+        assert!((noise[50] - 3.384_637e-7).abs() < 1e-12, "{}", noise[50]);
+        // exp(l (l + 1) FWHM^2 / (8 ln 2)), for spin 2 less 4.
+        let wide = white_noise(2.0, 0.01, 191);
+        let expected = ((100.0 * 101.0 - 4.0) * 1e-4 / (8.0 * 2.0_f64.ln())).exp();
+        assert!((wide[100] / noise[100] / expected - 1.0).abs() < 1e-12);
+        let clean = likelihood(TensorTilt::Scaleless);
+        let systematic: Vec<f64> = clean.tensor.iter().map(|t| 1e-3 * t).collect();
+        let with = clean.clone().with_noise(&noise).bias(&systematic).unwrap();
+        let without = clean.bias(&systematic).unwrap();
+        // S = r T: the bias is r, whatever the noise; its error grows.
+        assert!((with.delta_r - 1e-3).abs() < 1e-12 && with.sigma_r > 1.02 * without.sigma_r);
     }
 
     #[test]

@@ -34,11 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#![expect(
-    clippy::similar_names,
-    clippy::many_single_char_names,
-    reason = "sines and cosines, degrees and orders"
-)]
+#![expect(clippy::many_single_char_names, reason = "angles, degrees and orders")]
 
 mod signal;
 pub mod effects;
@@ -59,10 +55,12 @@ mod references;
 pub use closed_form::{DipoleLeak, smooth_h2};
 pub use cmb::{CmbSpectra, SpectraError, TensorTilt};
 pub use expectation::{MeanSpectra, mean_spectra};
-pub use likelihood::{Bias, DEGREES, Likelihood, LikelihoodError};
+pub use likelihood::{Bias, DEGREES, Likelihood, LikelihoodError, white_noise};
 pub use orientation::{OrientationError, Orientations, Polarimeter, Spin, moments};
 pub use realisation::realisation;
 pub use residual::{Coupling, Residual, SystematicsError};
 pub use signal::{Effect, SkyField, Term};
-pub use sky::{DIPOLE_LATITUDE_DEG, DIPOLE_LONGITUDE_DEG, DIPOLE_UK, SkyAlms, solar_dipole_uk};
+pub use sky::{
+    DIPOLE_LATITUDE_DEG, DIPOLE_LONGITUDE_DEG, DIPOLE_UK, Dipole, SkyAlms, solar_dipole_uk,
+};
 pub use study::{Asked, Found, StudyError, StudySky};

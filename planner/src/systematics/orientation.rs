@@ -103,6 +103,19 @@ impl Orientations {
         Self { nside, hits: order.iter().map(|&nested| maps.hits(nested)).collect(), h }
     }
 
+    /// From hits and h by RING pixel; of moments of half-integer orders none is taken.
+    ///
+    /// # Errors
+    /// [`OrientationError::Pixels`] for a map of another length.
+    pub fn of_moments(
+        nside: Nside,
+        hits: Vec<u64>,
+        functions: impl Iterator<Item = (Moment, Vec<Complex64>)>,
+    ) -> Result<Self, OrientationError> {
+        let whole = functions.filter_map(|(moment, map)| Some((whole(moment)?, map)));
+        Self::new(nside, hits, whole.collect())
+    }
+
     /// From hits and h by RING pixel.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 //! Coefficients are those of [`crate::harmonics`], in the frame of the map and in its units, uK here;
 //! `P = Q + iU` in the COSMO sense has those of spin 2, `-(E + iB)`.
 //!
-//! The solar dipole is that of \[Planck2018I\]: 3362.08 uK towards galactic (264.021, 48.253) deg.
+//! The solar dipole is that of \[`Planck2018I`\]: 3362.08 uK towards galactic (264.021, 48.253) deg.
 //!
 //! Limits: a monopole is not part of any sky made here.
 
@@ -159,21 +159,47 @@ impl SkyAlms {
     }
 }
 
+/// A dipole of the temperature by its size and the galactic place of its warm pole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dipole {
+    /// Amplitude in uK.
+    pub amplitude_uk: f64,
+    /// Galactic longitude in degrees.
+    pub longitude_deg: f64,
+    /// Galactic latitude in degrees.
+    pub latitude_deg: f64,
+}
+
+impl Dipole {
+    /// The solar dipole of \[`Planck2018I`\].
+    pub const SOLAR: Self = Self {
+        amplitude_uk: DIPOLE_UK,
+        longitude_deg: DIPOLE_LONGITUDE_DEG,
+        latitude_deg: DIPOLE_LATITUDE_DEG,
+    };
+
+    /// Its vector in uK in a map's frame.
+    #[must_use]
+    pub fn vector_uk(&self, frame: MapFrame) -> [f64; 3] {
+        let (sin_l, cos_l) = self.longitude_deg.to_radians().sin_cos();
+        let (sin_b, cos_b) = self.latitude_deg.to_radians().sin_cos();
+        let galactic = [cos_b * cos_l, cos_b * sin_l, sin_b];
+        let to = match frame {
+            MapFrame::Galactic => galactic,
+            MapFrame::Ecliptic => {
+                let back = MapFrame::Galactic.from_ecliptic().inverse();
+                onboard_core::direction::Direction::new(galactic[0], galactic[1], galactic[2])
+                    .map_or(galactic, |warm| back.apply(warm).xyz())
+            }
+        };
+        to.map(|x| self.amplitude_uk * x)
+    }
+}
+
 /// The solar dipole's vector in uK in a map's frame.
 #[must_use]
 pub fn solar_dipole_uk(frame: MapFrame) -> [f64; 3] {
-    let (sin_l, cos_l) = DIPOLE_LONGITUDE_DEG.to_radians().sin_cos();
-    let (sin_b, cos_b) = DIPOLE_LATITUDE_DEG.to_radians().sin_cos();
-    let galactic = [cos_b * cos_l, cos_b * sin_l, sin_b];
-    let to = match frame {
-        MapFrame::Galactic => galactic,
-        MapFrame::Ecliptic => {
-            let back = MapFrame::Galactic.from_ecliptic().inverse();
-            onboard_core::direction::Direction::new(galactic[0], galactic[1], galactic[2])
-                .map_or(galactic, |warm| back.apply(warm).xyz())
-        }
-    };
-    to.map(|x| DIPOLE_UK * x)
+    Dipole::SOLAR.vector_uk(frame)
 }
 
 #[cfg(test)]
@@ -191,6 +217,15 @@ mod tests {
         }
         let length = found.iter().map(|x| x * x).sum::<f64>().sqrt();
         assert!((length - DIPOLE_UK).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_dipole_of_ones_own_has_its_size_and_place() {
+        let pole = Dipole { amplitude_uk: 2.0, longitude_deg: 0.0, latitude_deg: 90.0 };
+        assert!((pole.vector_uk(MapFrame::Galactic)[2] - 2.0).abs() < 1e-15);
+        // The galactic pole has ecliptic latitude 29.81 deg.
+        let ecliptic = pole.vector_uk(MapFrame::Ecliptic);
+        assert!((ecliptic[2] - 2.0 * 29.811_4_f64.to_radians().sin()).abs() < 1e-4);
     }
 
     #[test]

@@ -96,7 +96,7 @@ impl<'h> Solver<'h> {
     }
 }
 
-/// `z = turn exp(i (2 psi - 4 phi))`: psi_pol is psi, a quarter turn and the detector's own angle.
+/// `z = turn exp(i (2 psi - 4 phi))`: `psi_pol` is psi, a quarter turn and the detector's own angle.
 pub(super) fn turn(polarimeter: &Polarimeter) -> Complex64 {
     -Complex64::from_polar(1.0, 2.0 * polarimeter.polarisation_rad)
 }

@@ -5,7 +5,7 @@
 //!
 //! Method: [`MapMaker`] with a sky of zeros that is only there to tell pixels.
 //!
-//! Limits: detectors without a polarisation angle of their own, plates or not. True re-pointing, with
+//! Limits: detectors that share one polarisation angle, plates or not; no pairs. True re-pointing, with
 //! samples where they fall within pixels, is another signal (`docs/systematics.md`).
 
 use super::signal::SkyField;
@@ -40,41 +40,48 @@ pub enum TimestreamError {
 pub struct Timestream {
     terms: Vec<(Term, usize)>,
     fields: Vec<Vec<Complex64>>,
+    /// `exp(i (psi - psi_pol))`.
+    back: Complex64,
 }
 
 impl Timestream {
-    /// Of terms on a sky.
+    /// Of terms on a sky, measured by a detector with this polarisation angle from its x axis.
     ///
     /// # Errors
     /// [`TransformError`] for fields that cannot be transformed.
-    pub fn new(rings: &Rings, terms: &[Term], sky: &SkyAlms) -> Result<Self, TransformError> {
+    pub fn new(
+        rings: &Rings,
+        terms: &[Term],
+        sky: &SkyAlms,
+        polarisation_rad: f64,
+    ) -> Result<Self, TransformError> {
         let nside = rings.nside();
         let mut names: Vec<SkyField> = Vec::new();
         let mut fields = Vec::new();
         let mut placed = Vec::new();
         for term in terms {
-            let at = match names.iter().position(|&name| name == term.field) {
-                Some(at) => at,
-                None => {
-                    let ring = sky.map(rings, term.field)?;
-                    let by_nested = (0..nside.pixels())
-                        .map(|nested| ring[nside.ring_of_nested(nested) as usize]);
-                    fields.push(by_nested.collect());
-                    names.push(term.field);
-                    names.len() - 1
-                }
+            let at = if let Some(at) = names.iter().position(|&name| name == term.field) {
+                at
+            } else {
+                let ring = sky.map(rings, term.field)?;
+                let by_nested =
+                    (0..nside.pixels()).map(|nested| ring[nside.ring_of_nested(nested) as usize]);
+                fields.push(by_nested.collect());
+                names.push(term.field);
+                names.len() - 1
             };
             placed.push((*term, at));
         }
-        Ok(Self { terms: placed, fields })
+        // psi_pol = psi + 90 deg + the detector's own angle
+        let back = -Complex64::I * Complex64::from_polar(1.0, -polarisation_rad);
+        Ok(Self { terms: placed, fields, back })
     }
 
     /// What a sample measures.
     #[must_use]
     pub fn signal(&self, sample: &Sample) -> f64 {
         let complex = |(re, im): (f64, f64)| Complex64::new(re, im);
-        // psi = psi_pol - 90 deg
-        let psi = complex(sample.polarisation) * -Complex64::I;
+        let psi = complex(sample.polarisation) * self.back;
         let phi = complex(sample.plate);
         let of = |(term, field): &(Term, usize)| {
             let x = self.fields[*field][sample.pixel as usize];

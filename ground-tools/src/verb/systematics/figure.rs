@@ -1,8 +1,16 @@
-//! B spectra of residuals beside lensing and the tensors of r = 1e-3, both axes logarithmic.
+//! Pictures: B spectra of residuals beside lensing and the tensors of r = 1e-3, both axes logarithmic;
+//! Q and U of residuals.
 
 use super::options::{Named, Setting};
-use crate::picture::{Axis, Chart, Drawing, PictureError, Scale, Series, Shape, chart};
-use planner::systematics::Found;
+use super::outcome::Outcome;
+use crate::output::figures::Figure;
+use pictures::{
+    Axis, Chart, ColourMap, Drawing, PictureError, Range, Scale, Series, Shape, SkyMap, SkyPicture,
+    View, chart, sky_picture,
+};
+use planner::healpix::Ordering;
+use planner::survey::MapFrame;
+use planner::systematics::Residual;
 
 /// The tensors that are drawn for scale.
 const R: f64 = 1e-3;
@@ -21,10 +29,9 @@ fn points(spectrum: &[f64], scale: f64, [from, to]: [usize; 2]) -> Vec<(f64, f64
 ///
 /// # Errors
 /// [`PictureError`] where nothing is above zero.
-pub(super) fn figure(
+pub(super) fn spectra(
     mission: &str,
-    named: &[Named],
-    found: &[Found],
+    effects: &[(&Named, &Outcome)],
     setting: &Setting,
 ) -> Result<Drawing, PictureError> {
     let degrees = setting.likelihood.degrees;
@@ -32,8 +39,8 @@ pub(super) fn figure(
         ("lensing".to_owned(), points(&setting.cmb.bb, 1.0, degrees)),
         (format!("tensors, r = {R}"), points(&setting.cmb.tensor_bb, R, degrees)),
     ];
-    for (named, found) in named.iter().zip(found) {
-        lines.push((named.text.clone(), points(&found.bb, 1.0, degrees)));
+    for (named, outcome) in effects {
+        lines.push((named.text.clone(), points(&outcome.found.bb, 1.0, degrees)));
     }
     let series: Vec<Series<'_>> =
         lines.iter().map(|(name, points)| Series { name, shape: Shape::Line(points) }).collect();
@@ -47,4 +54,34 @@ pub(super) fn figure(
         width_px: 1200,
         height_px: 700,
     })
+}
+
+/// Draws Q and U of an effect's residual.
+///
+/// # Errors
+/// [`PictureError`] where no pixel has a value.
+pub(super) fn maps(
+    (number, effect): (usize, &str),
+    residual: &Residual,
+    frame: MapFrame,
+) -> Result<Vec<Figure>, PictureError> {
+    let q = |pixel: u32| residual.polarisation[pixel as usize].re;
+    let u = |pixel: u32| residual.polarisation[pixel as usize].im;
+    let drawn = |(name, values): (&str, &(dyn Fn(u32) -> f64 + Sync))| {
+        let (nside, ordering, frame) = (residual.nside(), Ordering::Ring, frame.into());
+        let picture = SkyPicture {
+            title: effect,
+            quantity: &format!("residual {}", name.to_uppercase()),
+            unit: "uK",
+            view: View::WholeSky { longitude_rad: 0.0 },
+            width_px: 1600,
+            scale: Scale::Linear,
+            range: Range::Percentiles(0.5, 99.5),
+            colours: ColourMap::BlueRed,
+            tracks: &[],
+        };
+        let drawing = sky_picture(&SkyMap { nside, ordering, frame, values }, &picture)?;
+        Ok(Figure { stem: format!("residual-{number}-{name}"), drawing })
+    };
+    [("q", &q as &(dyn Fn(u32) -> f64 + Sync)), ("u", &u)].into_iter().map(drawn).collect()
 }

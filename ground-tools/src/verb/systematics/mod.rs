@@ -1,208 +1,157 @@
 //! `gyrfalcon systematics`: what instrumental systematics leave in the maps, and what that does to r.
 //!
-//! Effects share one survey. Effects on the CMB are means over all its skies unless `--seed` draws
-//! one; others act on the solar dipole. Spectra are rows, the biases a table or JSON.
+//! Effects share one survey, or the file of an earlier one. Effects on the CMB are means over all its
+//! skies unless `--seed` draws one; others act on the solar dipole. Spectra are rows, the biases a table
+//! or JSON.
 
 mod options;
+mod scan;
+mod sky;
+mod outcome;
+mod report;
 mod figure;
 
-use super::asked::{sun_table, world};
+use super::asked::world;
 use super::delivered::{deliver, sink};
-use super::told::{print_json, tell};
+use super::told::{print_json, tell, warn};
 use crate::cli::{SharedArgs, SystematicsArgs};
 use crate::failure::Failure;
+use crate::output::figures::{Figure, write_figures};
 use crate::output::{Sink, fill_folder};
-use crate::picture::{Figure, write_figures};
 use formats::maps::write_residual;
 use formats::products::Fill;
 use formats::rows::Column;
 use formats::rows::Field::{Count, Number, Word};
 use options::{Named, Setting};
-use planner::harmonics::{Complex64, Rings, Spectra};
-use planner::progress::Quietly;
+use outcome::{Outcome, Study, residuals};
+use planner::harmonics::Rings;
+use planner::opportunities::SightLine;
 use planner::provenance::Provenance;
-use planner::survey::input::SurveyInput;
-use planner::survey::{MapFrame, SunSource, Survey, SurveySun};
-use planner::systematics::timestream::Timestream;
-use planner::systematics::{Found, Orientations, StudySky};
-use serde_json::{Value, json};
-use std::fmt::Write;
+use planner::survey::MapFrame;
+use report::Report;
+use scan::Scan;
+use sky::Skies;
+use std::path::Path;
 
 /// A degree of an effect's spectra.
 struct Row<'r> {
     effect: &'r str,
     l: usize,
-    found: &'r Found,
+    outcome: &'r Outcome,
 }
 
 fn columns<'r>() -> [Column<Row<'r>>; 4] {
     [
         Column::new("effect", Word(|it| Some(it.effect.into()))),
         Column::new("ell", Count(|it| u64::try_from(it.l).ok())),
-        Column::new("ee_uk2", Number(|it| it.found.ee.get(it.l).copied())),
-        Column::new("bb_uk2", Number(|it| it.found.bb.get(it.l).copied())),
+        Column::new("ee_uk2", Number(|it| it.outcome.found.ee.get(it.l).copied())),
+        Column::new("bb_uk2", Number(|it| it.outcome.found.bb.get(it.l).copied())),
     ]
 }
 
 pub(super) fn run(shared: &SharedArgs, arguments: &SystematicsArgs) -> Result<(), Failure> {
+    let rows_to_stdout = shared.out.is_some() && sink(shared) == Sink::Stdout;
+    if shared.json && rows_to_stdout {
+        return Err(Failure::Input(
+            "--json and --out -: standard output takes one of the two; name a file".to_owned(),
+        ));
+    }
     let setting = Setting::read(arguments)?;
     let mut world = world(shared)?;
     world.targets.clear();
     let lines = arguments.sight.lines(&world.mission)?;
-    let rate = options::rate(arguments, &world)?;
-    let input = SurveyInput::new(&world, &lines, &rate).map_err(Failure::input)?;
-    let named = options::effects(arguments, &world, &lines, &setting)?;
-    let source = match &input.circular_sun {
-        Some(longitude) => SunSource::Circular(longitude.clone()),
-        None => SunSource::Table(sun_table(&world.tables(&world.ground_options())?)?),
+    let named = options::effects(arguments, &world, &lines)?;
+    let moments = options::moments(&named)?;
+    // What can be refused is refused before the survey.
+    let earlier =
+        arguments.survey.as_deref().map(|path| Scan::earlier(path, &moments)).transpose()?;
+    let nside = match &earlier {
+        Some(scan) => scan.orientations.nside(),
+        None => scan::nside(arguments.nside)?,
     };
-    let survey = Survey {
-        scan: input.scan,
-        sun: SurveySun { source, step: None },
-        detectors: input.detectors,
-        nside: setting.nside,
-        frame: MapFrame::Ecliptic,
-        moments: options::moments(&named)?,
+    setting.check_pixels(nside)?;
+    let frame = earlier.as_ref().map_or_else(|| scan::frame(arguments), |scan| scan.frame);
+    let skies = Skies::read(arguments, &setting, frame)?;
+    let scan = match earlier {
+        Some(scan) => scan,
+        None => Scan::new(shared, arguments, (&world, &lines), moments)?,
     };
-    let span = 0..input.samples;
-    let maps = survey.run(span.clone(), 0, &Quietly).map_err(Failure::internal)?;
-    let orientations = Orientations::of_survey(&maps);
-    let rings = Rings::new(setting.nside);
-    let mut found = Vec::new();
-    let mut compared = Vec::new();
-    for Named { text, asked } in &named {
-        let refused = |error| Failure::Input(format!("--effect {text}: {error}"));
-        let one = asked
-            .study(&orientations, &rings, &setting.likelihood, arguments.iterations)
-            .map_err(refused)?;
-        compared.push(match (&asked.sky, &one.residual) {
-            (StudySky::Given(sky), Some(_)) if arguments.tod && !asked.polarimeter.pair => {
-                let timestream =
-                    Timestream::new(&rings, &asked.terms, sky).map_err(Failure::internal)?;
-                let maps =
-                    timestream.maps(&survey, span.clone(), &Quietly).map_err(Failure::internal)?;
-                let [_, q, u] = maps.iqu();
-                let p: Vec<Complex64> = (0..setting.nside.pixels())
-                    .map(|ring| setting.nside.nested_of_ring(ring) as usize)
-                    .map(|at| Complex64::new(q[at], u[at]))
-                    .map(|p| if p.is_nan() { Complex64::ZERO } else { p })
-                    .collect();
-                let l_max = setting.likelihood.degrees[1];
-                let alm =
-                    rings.alm(2, &p, l_max, arguments.iterations).map_err(Failure::internal)?;
-                Some(furthest(&Spectra::of(None, &alm).bb, &one.bb))
-            }
-            _ => None,
-        });
-        found.push(one);
-    }
+    let rings = Rings::new(nside);
+    let study = Study { arguments, world: &world, setting: &setting, scan: &scan, skies, rings };
+    let outcomes = named.iter().map(|named| study.of(named)).collect::<Result<Vec<_>, _>>()?;
+    let effects: Vec<(&Named, &Outcome)> = named.iter().zip(&outcomes).collect();
 
     let provenance = Provenance::of(&world);
     let mut files = Vec::new();
     if arguments.figures.asked() {
-        let drawing = figure::figure(&world.mission.name, &named, &found, &setting)?;
-        let figures = [Figure { stem: "systematics".to_owned(), drawing }];
+        let drawing = figure::spectra(&world.mission.name, &effects, &setting)?;
+        let mut figures = vec![Figure { stem: "systematics".to_owned(), drawing }];
+        for (number, residual) in residuals(&outcomes) {
+            let which = (number, named[number - 1].text.as_str());
+            figures.extend(figure::maps(which, residual, frame)?);
+        }
         files = write_figures(arguments.figures.folders(), &figures)?;
     }
     if let Some(folder) = &arguments.maps {
-        let names: Vec<String> =
-            (1..=found.len()).map(|number| format!("residual-{number}.fits")).collect();
-        let seen_by = lines.iter().map(|line| line.key()).collect::<Vec<_>>().join(" ");
-        let mut fills: Vec<(&str, Fill<'_>)> = Vec::new();
-        for (name, one) in names.iter().zip(&found) {
-            let Some(residual) = &one.residual else { continue };
-            let origin = (&provenance, seen_by.as_str());
-            fills.push((
-                name,
-                Box::new(move |out| Ok(write_residual(out, residual, MapFrame::Ecliptic, origin)?)),
-            ));
+        if residuals(&outcomes).next().is_none() {
+            let what = "--maps: a mean over skies has no maps; --seed draws one sky";
+            warn(shared, &[what]);
         }
-        files.extend(fills.iter().map(|(name, _)| folder.join(name).display().to_string()));
-        fill_folder(folder, fills)?;
+        let seen_by = lines.iter().map(SightLine::key).collect::<Vec<_>>().join(" ");
+        files.extend(write_maps(folder, &outcomes, frame, (&provenance, &seen_by))?);
     }
-    let report = Report { named: &named, found: &found, compared: &compared, files: &files };
-    if sink(shared) != Sink::Stdout {
-        let rows = named.iter().zip(&found).flat_map(|(named, found)| {
-            (2..found.bb.len()).map(move |l| Ok(Row { effect: &named.text, l, found }))
+    let report = Report {
+        together: together(&outcomes, &setting)?,
+        effects,
+        first_seed: arguments.seed.unwrap_or(0),
+        files: &files,
+    };
+    if shared.out.is_some() {
+        let rows = named.iter().zip(&outcomes).flat_map(|(named, outcome)| {
+            (2..outcome.found.bb.len()).map(move |l| Ok(Row { effect: &named.text, l, outcome }))
         });
-        let quiet = SharedArgs { json: false, ..shared.clone() };
-        deliver(&quiet, rows, (&provenance, &columns()), || Ok(()))?;
+        let rows_alone = SharedArgs { json: false, ..shared.clone() };
+        deliver(&rows_alone, rows, (&provenance, &columns()), || Ok(()))?;
     }
-    if shared.json {
-        print_json(&report.json(&provenance)?)
-    } else {
-        tell(shared, &report.text(&setting))
+    match (shared.json, rows_to_stdout) {
+        (true, _) => print_json(&report.json(&provenance)?),
+        (false, true) => Ok(()),
+        (false, false) => tell(shared, &report.text(&setting, nside)),
     }
 }
 
-/// The largest relative difference of two spectra from l = 2.
-fn furthest(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).skip(2).fold(0.0, |most, (a, b)| most.max((a / b - 1.0).abs()))
-}
-
-struct Report<'r> {
-    named: &'r [Named],
-    found: &'r [Found],
-    /// Largest relative difference of BB from the timestream's.
-    compared: &'r [Option<f64>],
-    files: &'r [String],
-}
-
-impl Report<'_> {
-    fn json(&self, provenance: &Provenance) -> Result<Value, Failure> {
-        let each = |((named, found), compared): ((&Named, &Found), &Option<f64>)| {
-            json!({
-                "effect": named.text,
-                "sky": named.sky(),
-                "delta_r": found.bias.delta_r,
-                "sigma_r": found.bias.sigma_r,
-                "rms_uk": found.residual.as_ref().map(|it| it.rms_polarisation()),
-                "unobserved_pixels": found.unobserved,
-                "singular_pixels": found.singular,
-                "timestream_difference": compared,
-            })
-        };
-        let rows = self.named.iter().zip(self.found).zip(self.compared).map(each);
-        Ok(json!({
-            "effects": rows.collect::<Vec<Value>>(),
-            "files": self.files,
-            "provenance": serde_json::to_value(provenance).map_err(Failure::internal)?,
-        }))
-    }
-
-    fn text(&self, setting: &Setting) -> String {
-        let mut text = format!("{}\n\n", setting.told());
-        let _ = writeln!(
-            text,
-            "{:<44} {:<10} {:>12} {:>12} {:>12}",
-            "effect", "sky", "delta r", "BB l=2 uK2", "BB l=80 uK2"
-        );
-        for ((named, found), compared) in self.named.iter().zip(self.found).zip(self.compared) {
-            let power = |l: usize| found.bb.get(l).map_or("-".to_owned(), |x| format!("{x:.4e}"));
-            let _ = writeln!(
-                text,
-                "{:<44} {:<10} {:>12.4e} {:>12} {:>12}",
-                named.text,
-                named.sky(),
-                found.bias.delta_r,
-                power(2),
-                power(80)
-            );
-            if found.unobserved + found.singular > 0 {
-                let _ = writeln!(
-                    text,
-                    "  left out: {} pixel(s) without samples, {} whose angles do not tell I, Q and U \
-                     apart",
-                    found.unobserved, found.singular
-                );
-            }
-            if let Some(off) = compared {
-                let _ = writeln!(text, "  sample by sample: BB within {off:.1e} of it");
-            }
+/// delta r of the sum of all spectra.
+fn together(outcomes: &[Outcome], setting: &Setting) -> Result<Option<f64>, Failure> {
+    let Some((first, others)) = outcomes.split_first().filter(|it| !it.1.is_empty()) else {
+        return Ok(None);
+    };
+    let mut sum = first.found.bb.clone();
+    for other in others {
+        for (sum, power) in sum.iter_mut().zip(&other.found.bb) {
+            *sum += power;
         }
-        if !self.files.is_empty() {
-            let _ = writeln!(text, "\nwritten: {}", self.files.join(", "));
-        }
-        text
     }
+    let bias = setting.likelihood.bias(&sum).map_err(Failure::internal)?;
+    Ok(Some(bias.delta_r))
+}
+
+/// Writes the residual's maps of the effects that have them; names the files.
+fn write_maps(
+    folder: &Path,
+    outcomes: &[Outcome],
+    frame: MapFrame,
+    origin: (&Provenance, &str),
+) -> Result<Vec<String>, Failure> {
+    let named: Vec<(String, _)> = residuals(outcomes)
+        .map(|(number, residual)| (format!("residual-{number}.fits"), residual))
+        .collect();
+    let fills: Vec<(&str, Fill<'_>)> = named
+        .iter()
+        .map(|(name, residual)| {
+            let fill: Fill<'_> = Box::new(move |out| write_residual(out, residual, frame, origin));
+            (name.as_str(), fill)
+        })
+        .collect();
+    fill_folder(folder, fills)?;
+    Ok(named.iter().map(|(name, _)| folder.join(name).display().to_string()).collect())
 }

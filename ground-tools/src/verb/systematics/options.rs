@@ -1,124 +1,154 @@
 //! The options of `systematics`, checked: a sentence for each that is not legal.
 
 use crate::cli::SystematicsArgs;
-use crate::cli::quantities::{angle_rad, rate_hz};
+use crate::cli::quantities::angle_rad;
 use crate::failure::Failure;
-use formats::fits::{Frames, MapFrame as FitsFrame, read_stokes};
 use mission::number::{Number, nearest};
 use mission::quantity;
-use planner::harmonics::{Complex64, Rings};
 use planner::healpix::Nside;
 use planner::opportunities::SightLine;
-use planner::survey::{MOST_MOMENTS, MapFrame, Moment};
-use planner::systematics::effects::{ActsOn, EffectKind, KINDS, Measure, Motions};
+use planner::survey::{MOST_MOMENTS, Moment};
+use planner::systematics::effects::{EffectKind, KINDS, Measure, Motions};
 use planner::systematics::{
-    Asked, CmbSpectra, Likelihood, Polarimeter, SkyAlms, StudySky, TensorTilt, moments as needed,
-    realisation, solar_dipole_uk,
+    CmbSpectra, Dipole, Likelihood, Polarimeter, TensorTilt, Term, moments as needed, white_noise,
 };
 use planner::world::World;
-use std::path::Path;
-
-/// Largest resolution.
-const MOST_NSIDE: u32 = 1024;
 
 /// What all effects share.
 pub(super) struct Setting {
-    pub nside: Nside,
     pub likelihood: Likelihood,
-    /// The CMB as it is, and through the beam to the last degree asked for.
+    /// The CMB as it is.
     pub cmb: CmbSpectra,
-    seen: CmbSpectra,
-    seed: Option<u64>,
+    /// The CMB through the beam, to the last degree asked for.
+    pub seen: CmbSpectra,
+    pub dipole: Dipole,
     tilt: TensorTilt,
+    noise_uk_arcmin: f64,
 }
 
 /// An effect as it was asked for.
 pub(super) struct Named {
     pub text: String,
-    pub asked: Asked,
-}
-
-impl Named {
-    /// Which sky, in a word.
-    pub(super) fn sky(&self) -> &'static str {
-        match &self.asked.sky {
-            StudySky::Mean(_) => "CMB, mean",
-            StudySky::Given(sky) if sky.t.l_max() == 1 => "dipole",
-            StudySky::Given(_) => "given",
-        }
-    }
+    pub kind: &'static EffectKind,
+    pub terms: Vec<Term>,
+    pub polarimeter: Polarimeter,
+    /// Amplitude and phase, where it has a closed form on a dipole.
+    pub leak: Option<[f64; 2]>,
 }
 
 impl Setting {
     pub(super) fn read(arguments: &SystematicsArgs) -> Result<Self, Failure> {
-        let nside = Nside::new(arguments.nside)
-            .map_err(|error| Failure::Input(format!("--nside: {error}")))?;
-        if arguments.nside > MOST_NSIDE {
-            return Err(Failure::Input(format!(
-                "--nside {}: {MOST_NSIDE} at most for spectra",
-                arguments.nside
-            )));
-        }
         let tilt =
             if arguments.consistency { TensorTilt::Consistency } else { TensorTilt::Scaleless };
         let cmb = CmbSpectra::embedded(tilt).map_err(Failure::internal)?;
-        let last = arguments.cmb_lmax;
-        if !(2..=cmb.l_max()).contains(&last) {
-            return Err(Failure::Input(format!(
-                "--cmb-lmax {last}: from 2 to {}, where the spectra end",
-                cmb.l_max()
-            )));
+        let (last, end) = (arguments.cmb_lmax, cmb.l_max());
+        if !(2..=end).contains(&last) {
+            let what = format!("--cmb-lmax {last}: from 2 to {end}, where the spectra end");
+            return Err(Failure::Input(what));
         }
         let fwhm_rad = angle_rad("--fwhm", &arguments.fwhm)?;
-        let seen = cmb.through_beam(fwhm_rad.abs(), last);
-        let wrong = || {
-            Failure::Input(format!(
-                "--degrees {}: first and last degree with a colon between, such as 2:191",
-                arguments.degrees
-            ))
-        };
-        let (from, to) = arguments.degrees.split_once(':').ok_or_else(wrong)?;
-        let [from, to] = [from, to].map(|it| it.trim().parse::<usize>());
-        let degrees = [from.map_err(|_| wrong())?, to.map_err(|_| wrong())?];
-        if degrees[0] < 2 || degrees[1] < degrees[0] || degrees[1] > cmb.l_max() {
-            return Err(Failure::Input(format!(
-                "--degrees {}: a range within 2 and {}, where the spectra end",
-                arguments.degrees,
-                cmb.l_max()
-            )));
+        if !(0.0..=1.0).contains(&fwhm_rad) {
+            let what = format!("--fwhm {}: from 0 to 57 deg", arguments.fwhm);
+            return Err(Failure::Input(what));
         }
-        let likelihood = Likelihood { degrees, ..Likelihood::new(&cmb.tensor_bb, &cmb.bb) };
-        Ok(Self { nside, likelihood, cmb, seen, seed: arguments.seed, tilt })
+        let noise_uk_arcmin = number("--noise", &arguments.noise, [0.0, 1e6])?;
+        let f_sky = number("--f-sky", &arguments.f_sky, [0.0, 1.0])?;
+        if f_sky <= 0.0 {
+            return Err(Failure::Input("--f-sky 0: above 0 and at most 1".to_owned()));
+        }
+        let degrees = degrees(&arguments.degrees, end)?;
+        let likelihood = Likelihood { degrees, f_sky, ..Likelihood::new(&cmb.tensor_bb, &cmb.bb) };
+        let likelihood = likelihood.with_noise(&white_noise(noise_uk_arcmin, fwhm_rad, end));
+        let dipole = arguments.dipole.as_deref().map_or(Ok(Dipole::SOLAR), dipole)?;
+        let seen = cmb.through_beam(fwhm_rad, last);
+        Ok(Self { likelihood, cmb, seen, dipole, tilt, noise_uk_arcmin })
+    }
+
+    /// Pixels must be fine enough for the degrees.
+    pub(super) fn check_pixels(&self, nside: Nside) -> Result<(), Failure> {
+        let [from, to] = self.likelihood.degrees;
+        let most = 3 * nside.get() as usize - 1;
+        if to <= most {
+            return Ok(());
+        }
+        Err(Failure::Input(format!(
+            "--degrees {from}:{to}: maps of N_side {} have l up to {most}; a larger --nside or a \
+             lower last degree fits",
+            nside.get()
+        )))
     }
 
     /// In a line, what delta r depends on.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn told(&self, nside: Nside) -> String {
         let [from, to] = self.likelihood.degrees;
         let tilt = match self.tilt {
             TensorTilt::Scaleless => "n_t = 0",
             TensorTilt::Consistency => "n_t = -1/8 at r = 1",
         };
+        let noise = if self.noise_uk_arcmin > 0.0 {
+            format!(", noise of {} uK arcmin", self.noise_uk_arcmin)
+        } else {
+            String::new()
+        };
         format!(
-            "N_side {}, delta r from l = {from} to {to}, tensors with {tilt}, CMB to l = {}",
-            self.nside.get(),
+            "N_side {}, delta r from l = {from} to {to}, tensors with {tilt}, CMB to l = {}{noise}",
+            nside.get(),
             self.seen.l_max()
         )
     }
 }
 
-pub(super) fn rate(arguments: &SystematicsArgs, world: &World) -> Result<Number, Failure> {
-    match &arguments.rate {
-        None => Ok(world.mission.scan.sampling_rate_hz.clone()),
-        Some(text) => rate_hz("--rate", text),
+/// A number within limits.
+fn number(option: &str, text: &str, [least, most]: [f64; 2]) -> Result<f64, Failure> {
+    let wrong = |what: String| Failure::Input(format!("{option} {text}: {what}"));
+    let value = Number::parse(text).map_err(|error| wrong(error.to_string()))?.to_f64();
+    if (least..=most).contains(&value) {
+        Ok(value)
+    } else {
+        Err(wrong(format!("from {least} to {most}")))
     }
 }
 
-/// The effects, each with its sky.
+/// First and last degree, with a colon between.
+fn degrees(text: &str, end: usize) -> Result<[usize; 2], Failure> {
+    let wrong = |what: String| Failure::Input(format!("--degrees {text}: {what}"));
+    let parts: Vec<Option<usize>> =
+        text.split(':').map(|part| part.trim().parse::<usize>().ok()).collect();
+    let &[Some(from), Some(to)] = parts.as_slice() else {
+        return Err(wrong("first and last degree with a colon between, such as 2:191".to_owned()));
+    };
+    if from < 2 || to < from || to > end {
+        return Err(wrong(format!("a range within 2 and {end}, where the spectra end")));
+    }
+    Ok([from, to])
+}
+
+/// Amplitude, longitude and latitude.
+fn dipole(text: &str) -> Result<Dipole, Failure> {
+    let wrong = |what: &str| Failure::Input(format!("--dipole {text}: {what}"));
+    let parts: Vec<&str> = text.split(',').collect();
+    let &[amplitude, longitude, latitude] = parts.as_slice() else {
+        return Err(wrong(
+            "amplitude in uK, galactic longitude and latitude with commas between, such as \
+             3362.08,264.021deg,48.253deg",
+        ));
+    };
+    let amplitude_uk = number("--dipole", amplitude, [0.0, 1e9])?;
+    let [longitude_deg, latitude_deg] = [longitude, latitude].map(quantity::degrees);
+    let angle = |it: Result<_, _>| it.map(|it| nearest(&it));
+    let longitude_deg = angle(longitude_deg).map_err(|error| wrong(&error.to_string()))?;
+    let latitude_deg = angle(latitude_deg).map_err(|error| wrong(&error.to_string()))?;
+    if latitude_deg.abs() > 90.0 {
+        return Err(wrong("a latitude from -90 to 90 deg"));
+    }
+    Ok(Dipole { amplitude_uk, longitude_deg, latitude_deg })
+}
+
+/// The effects asked for.
 pub(super) fn effects(
     arguments: &SystematicsArgs,
     world: &World,
     lines: &[SightLine],
-    setting: &Setting,
 ) -> Result<Vec<Named>, Failure> {
     let scan = &world.mission.scan;
     let plates: Vec<f64> =
@@ -135,10 +165,7 @@ pub(super) fn effects(
                 .to_owned(),
         ));
     }
-    let given_sky =
-        arguments.sky.as_deref().map(|path| sky(path, arguments.cmb_lmax)).transpose()?;
-    let mut named = Vec::new();
-    for text in &arguments.effect {
+    let named = |text: &String| -> Result<Named, Failure> {
         let wrong = |what: String| Failure::Input(format!("--effect {text}: {what}"));
         let (name, rest) = text.split_once(':').unwrap_or((text, ""));
         let kind = EffectKind::named(name).map_err(|_| {
@@ -158,47 +185,15 @@ pub(super) fn effects(
             let names: Vec<&str> = kind.parameters.iter().map(|it| it.0).collect();
             wrong(format!("{error}; parameters are {}", names.join(", ")))
         })?;
-        let by_kind = || match (kind.acts_on, setting.seed) {
-            (ActsOn::Dipole, _) => {
-                StudySky::Given(SkyAlms::dipole(solar_dipole_uk(MapFrame::Ecliptic)))
-            }
-            (ActsOn::Cmb, None) => StudySky::Mean(setting.seen.clone()),
-            (ActsOn::Cmb, Some(seed)) => {
-                StudySky::Given(realisation(&setting.seen, setting.seen.l_max(), seed))
-            }
-        };
-        let sky = given_sky.clone().map_or_else(by_kind, StudySky::Given);
-        let polarimeter = Polarimeter { polarisation_rad: angle_rad, ..kind.polarimeter };
-        named.push(Named {
+        Ok(Named {
             text: text.clone(),
-            asked: Asked { terms: effect.terms(), polarimeter, sky },
-        });
-    }
-    Ok(named)
-}
-
-/// A sky in ecliptic coordinates, by coefficients or by maps to degree `l_max`.
-fn sky(path: &Path, l_max: usize) -> Result<SkyAlms, Failure> {
-    let wrong = |what: String| Failure::Input(format!("--sky {}: {what}", path.display()));
-    if path.extension().is_some_and(|it| it.eq_ignore_ascii_case("csv")) {
-        let text =
-            std::fs::read_to_string(path).map_err(|error| Failure::file("read", path, &error))?;
-        return SkyAlms::from_csv(&text).map_err(|error| wrong(error.to_string()));
-    }
-    let frames = Frames { accepted: &[FitsFrame::Ecliptic], unsaid: Some(FitsFrame::Ecliptic) };
-    let map = read_stokes(path, frames)?;
-    let nside = map.nside;
-    let ring = |values: &[f64]| -> Vec<f64> {
-        let at = |ring| nside.numbered(map.ordering, nside.nested_of_ring(ring)) as usize;
-        (0..nside.pixels()).map(|pixel| values[at(pixel)]).collect()
+            kind,
+            terms: effect.terms(),
+            polarimeter: Polarimeter { polarisation_rad: angle_rad, ..kind.polarimeter },
+            leak: kind.leak(&given),
+        })
     };
-    let [i, q, u] = [&map.i, &map.q, &map.u].map(|values| ring(values));
-    if [&i, &q, &u].into_iter().flatten().any(|value| !value.is_finite() || *value < -1e30) {
-        return Err(wrong("pixels without a value; a whole sky is needed".to_owned()));
-    }
-    let p: Vec<Complex64> = q.iter().zip(&u).map(|(q, u)| Complex64::new(*q, *u)).collect();
-    let l_max = l_max.min(3 * nside.get() as usize - 1);
-    SkyAlms::of_maps(&Rings::new(nside), &i, &p, l_max).map_err(|error| wrong(error.to_string()))
+    arguments.effect.iter().map(named).collect()
 }
 
 /// `key=value`.
@@ -219,8 +214,8 @@ fn value(kind: &EffectKind, part: &str) -> Result<(String, f64), String> {
 /// The orientation functions that the effects need.
 pub(super) fn moments(named: &[Named]) -> Result<Vec<Moment>, Failure> {
     let mut all: Vec<Moment> = Vec::new();
-    for Named { asked, .. } in named {
-        all.extend(needed(&asked.terms, &asked.polarimeter).map_err(Failure::input)?);
+    for Named { terms, polarimeter, .. } in named {
+        all.extend(needed(terms, polarimeter).map_err(Failure::input)?);
     }
     all.sort_unstable();
     all.dedup();

@@ -165,6 +165,19 @@ impl EffectKind {
         found.ok_or_else(|| NameError::Effect(name.to_owned()))
     }
 
+    /// Amplitude and phase, where the effect is instrumental polarisation of the plate, which has a
+    /// closed form on a dipole ([`super::super::DipoleLeak`]).
+    #[must_use]
+    pub fn leak(&self, given: &[(String, f64)]) -> Option<[f64; 2]> {
+        let value = |&(name, _, default): &Parameter| {
+            given.iter().rev().find(|(it, _)| it == name).map(|(_, value)| *value).or(default)
+        };
+        let [epsilon, phase] = self.parameters else { return None };
+        ["hwp_ip", "hwp_ip_printed"]
+            .contains(&self.name)
+            .then(|| Some([value(epsilon)?, value(phase)?]))?
+    }
+
     /// With parameters by name.
     ///
     /// # Errors
@@ -205,6 +218,17 @@ mod tests {
                 assert!(terms.iter().all(|term| term.m == 0), "{}", kind.name);
             }
         }
+    }
+
+    #[test]
+    fn instrumental_polarisation_has_a_closed_form() {
+        let leak = |name: &str| {
+            let given = [("eps".to_owned(), 1e-5), ("phase".to_owned(), 0.4)];
+            EffectKind::named(name).unwrap().leak(&given)
+        };
+        assert_eq!(leak("hwp_ip"), Some([1e-5, 0.4]));
+        assert_eq!(leak("hwp_ip_printed"), Some([1e-5, 0.4]));
+        assert_eq!((leak("hwp_2f"), leak("pointing")), (None, None));
     }
 
     #[test]

@@ -1,11 +1,11 @@
-//! Differences within a pair of detectors without a plate, one along, one across psi_pol.
+//! Differences within a pair of detectors without a plate, one along, one across `psi_pol`.
 //!
 //! `d = (d_T - d_B) / 2`, in which I cancels but for what differs. T has half of the difference, B
 //! half of it with the other sign, so that the polarisation has none to first order.
 //!
 //! Gain, and bandpass on a sky of what the bands see differently: `S_00 = g I / 2`. Pointing:
 //! `S_(-1,0) = -(rho/4) i e^(i chi) eth I`. Ellipticity: `S_(-2,0) = -(D/16) e^(-2i major) eth^2 I`,
-//! D the difference of `sx^2 - sy^2` \[Hoang2017\] \[McCallum2021\].
+//! D the difference of `sx^2 - sy^2` \[Hoang2017\] \[`McCallum2021`\].
 
 use super::super::signal::{Effect, SkyField, Term};
 use super::{Ellipticity, Pointing};

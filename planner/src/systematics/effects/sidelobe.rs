@@ -1,6 +1,6 @@
 //! A far sidelobe that sees the dipole.
 //!
-//! A sidelobe of gain g at the angle theta_s from the line of sight, in the direction chi_s from the
+//! A sidelobe of gain g at the angle `theta_s` from the line of sight, in the direction `chi_s` from the
 //! detector's x axis, sees of a dipole `D . n_s = cos(theta_s) I + sin(theta_s) d_chi I`, exactly:
 //! `S_00 = g cos(theta_s) I`, `S_(-1,0) = (g/2) sin(theta_s) i e^(-i chi_s) eth I`. Behind the plate it may
 //! be modulated at four times its rate, `cos(4 phi)` times the same.
