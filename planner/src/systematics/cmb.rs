@@ -115,18 +115,20 @@ impl CmbSpectra {
         self.tt.len().saturating_sub(1)
     }
 
-    /// Seen through a Gaussian beam, to degree `l_max`; the tensors are left as they are.
+    /// Seen through a Gaussian beam, to degree `l_max`; the tensors are left as they are. T, E and B
+    /// have the beam of T, as is customary: that of spin 2 has `exp(4 sigma^2)` more power, 2e-5 at
+    /// 17.9 arcmin.
     #[must_use]
     pub fn through_beam(&self, fwhm_rad: f64, l_max: usize) -> Self {
-        let [t, p] = [0, 2].map(|spin| gaussian_beam(fwhm_rad, spin, l_max));
-        let product = |values: &[f64], a: &[f64], b: &[f64]| {
-            values.iter().zip(a).zip(b).map(|((value, a), b)| value * a * b).collect()
+        let beam = gaussian_beam(fwhm_rad, 0, l_max);
+        let product = |values: &[f64]| {
+            values.iter().zip(&beam).map(|(value, beam)| value * beam * beam).collect()
         };
         Self {
-            tt: product(&self.tt, &t, &t),
-            ee: product(&self.ee, &p, &p),
-            bb: product(&self.bb, &p, &p),
-            te: product(&self.te, &t, &p),
+            tt: product(&self.tt),
+            ee: product(&self.ee),
+            bb: product(&self.bb),
+            te: product(&self.te),
             tensor_bb: self.tensor_bb.clone(),
         }
     }

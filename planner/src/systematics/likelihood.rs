@@ -73,7 +73,7 @@ pub fn white_noise(uk_arcmin: f64, fwhm_rad: f64, l_max: usize) -> Vec<f64> {
     let density = (uk_arcmin * std::f64::consts::PI / 10_800.0).powi(2);
     // N_l = w^2 / b_l^2
     let of = |(l, beam): (usize, f64)| if l < 2 { 0.0 } else { density / (beam * beam) };
-    gaussian_beam(fwhm_rad, 2, l_max).into_iter().enumerate().map(of).collect()
+    gaussian_beam(fwhm_rad, 0, l_max).into_iter().enumerate().map(of).collect()
 }
 
 impl Likelihood {
@@ -191,9 +191,9 @@ mod tests {
         let noise = white_noise(2.0, 0.0, 191);
         // 2 uK arcmin: (2 * 2.908882e-4)^2
         assert!((noise[50] - 3.384_637e-7).abs() < 1e-12, "{}", noise[50]);
-        // exp(l (l + 1) FWHM^2 / (8 ln 2)), for spin 2 less 4.
+        // exp(l (l + 1) FWHM^2 / (8 ln 2))
         let wide = white_noise(2.0, 0.01, 191);
-        let expected = ((100.0 * 101.0 - 4.0) * 1e-4 / (8.0 * 2.0_f64.ln())).exp();
+        let expected = (100.0 * 101.0 * 1e-4 / (8.0 * 2.0_f64.ln())).exp();
         assert!((wide[100] / noise[100] / expected - 1.0).abs() < 1e-12);
         let clean = likelihood(TensorTilt::Scaleless);
         let systematic: Vec<f64> = clean.tensor.iter().map(|t| 1e-3 * t).collect();

@@ -114,14 +114,15 @@ impl SkyAlms {
         Ok(Self { t, e, b })
     }
 
-    /// Seen through a Gaussian beam.
+    /// Seen through a Gaussian beam, that of T for all three, as
+    /// [`CmbSpectra::through_beam`](super::CmbSpectra::through_beam) has it.
     #[must_use]
     pub fn through_beam(&self, fwhm_rad: f64) -> Self {
-        let through = |alm: &Alm, spin| {
-            let beam = gaussian_beam(fwhm_rad, spin, alm.l_max());
+        let through = |alm: &Alm| {
+            let beam = gaussian_beam(fwhm_rad, 0, alm.l_max());
             alm.weighted(|l| beam[l])
         };
-        Self { t: through(&self.t, 0), e: through(&self.e, 2), b: through(&self.b, 2) }
+        Self { t: through(&self.t), e: through(&self.e), b: through(&self.b) }
     }
 
     /// A field of it; none for a polarisation lowered beyond spin 0.

@@ -75,11 +75,7 @@ impl Report<'_> {
             besides(&mut text, outcome, self.first_seed);
         }
         if let Some(together) = self.together {
-            let _ = writeln!(
-                text,
-                "{:<width$}  {:<9}  {together:>10.3e}",
-                "all of them", "as if independent"
-            );
+            let _ = writeln!(text, "{:<width$}  {:<9}  {together:>10.3e}", "all together", "-");
         }
         if !self.files.is_empty() {
             let _ = writeln!(text, "\nwritten: {}", self.files.join(", "));
