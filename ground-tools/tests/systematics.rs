@@ -109,6 +109,33 @@ fn an_earlier_survey_and_a_sky_of_ones_own_give_the_same() {
     refused(&degrees, "maps of N_side 16 have l up to 47");
 }
 
+#[test]
+fn without_a_telescope_the_fastest_plate_turns() {
+    let run = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_gyrfalcon"))
+            .args(["systematics", "--effect", "gain:g=1e-3", "--effect", "hwp_ip:eps=1e-5"])
+            .args(["--nside", "8", "--degrees", "2:20", "--sun", "circular:0", "--duration", "20d"])
+            .args(arguments)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        [output.stdout, output.stderr].map(|it| String::from_utf8_lossy(&it).into_owned())
+    };
+    let [rows, told] = run(&["--out", "-"]);
+    let [named, quiet] = run(&["--out", "-", "--telescope", "HFT"]);
+    assert!(told.contains("the boresight looks through that of HFT, the fastest"), "{told}");
+    assert!(!quiet.contains("fastest"));
+    let bare = |text: &str| {
+        let rows = text.lines().filter(|line| !line.starts_with('#'));
+        rows.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!((bare(&rows).len(), bare(&rows)), (39, bare(&named)));
+    let [table, _] = run(&[]);
+    for part in ["effect  ", "hwp_ip:eps=1e-5", "dipole", "all together", "left out"] {
+        assert!(table.contains(part), "{table}");
+    }
+}
+
 fn refused(arguments: &[&str], expected: &str) {
     let output = systematics(arguments);
     let error = String::from_utf8_lossy(&output.stderr).into_owned();

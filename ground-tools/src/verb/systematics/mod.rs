@@ -59,7 +59,8 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SystematicsArgs) -> Result<()
     let setting = Setting::read(arguments)?;
     let mut world = world(shared)?;
     world.targets.clear();
-    let lines = arguments.sight.lines(&world.mission)?;
+    let (lines, told) = options::lines(arguments, &world)?;
+    warn(shared, told.as_slice());
     let named = options::effects(arguments, &world, &lines)?;
     let moments = options::moments(&named)?;
     // What can be refused is refused before the survey.

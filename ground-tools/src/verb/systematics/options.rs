@@ -5,6 +5,7 @@ use crate::cli::quantities::angle_rad;
 use crate::failure::Failure;
 use mission::number::{Number, nearest};
 use mission::quantity;
+use onboard_core::phase::Rotor;
 use planner::healpix::Nside;
 use planner::opportunities::SightLine;
 use planner::survey::{MOST_MOMENTS, Moment};
@@ -144,6 +145,33 @@ fn dipole(text: &str) -> Result<Dipole, Failure> {
     Ok(Dipole { amplitude_uk, longitude_deg, latitude_deg })
 }
 
+/// The lines of sight. Where none is named and telescopes have different plates, the boresight looks
+/// through the fastest; the second says so.
+pub(super) fn lines(
+    arguments: &SystematicsArgs,
+    world: &World,
+) -> Result<(Vec<SightLine>, Option<String>), Failure> {
+    let mut lines = arguments.sight.lines(&world.mission)?;
+    if arguments.sight.telescope.is_some() || arguments.sight.detector.is_some() {
+        return Ok((lines, None));
+    }
+    let speed = |plate: &Rotor| plate.rate.radians_per_second().abs();
+    let plates = world.mission.telescopes.iter().filter_map(|it| Some((it.hwp?, &it.name)));
+    let fastest = plates.max_by(|a, b| speed(&a.0).total_cmp(&speed(&b.0)));
+    let (Some((plate, name)), [line]) = (fastest, lines.as_mut_slice()) else {
+        return Ok((lines, None));
+    };
+    if line.hwp.is_some() {
+        return Ok((lines, None));
+    }
+    line.hwp = Some(plate);
+    let told = format!(
+        "the telescopes' half-wave plates differ: the boresight looks through that of {name}, the \
+         fastest; --telescope names another"
+    );
+    Ok((lines, Some(told)))
+}
+
 /// The effects asked for.
 pub(super) fn effects(
     arguments: &SystematicsArgs,
@@ -172,10 +200,6 @@ pub(super) fn effects(
             let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
             wrong(format!("no such effect; there are {}", names.join(", ")))
         })?;
-        if !kind.polarimeter.pair && plates.len() < lines.len() {
-            let what = "the line of sight has no half-wave plate; --telescope names one that has";
-            return Err(wrong(what.to_owned()));
-        }
         let given = rest
             .split(',')
             .filter(|part| !part.is_empty())
@@ -185,6 +209,10 @@ pub(super) fn effects(
             let names: Vec<&str> = kind.parameters.iter().map(|it| it.0).collect();
             wrong(format!("{error}; parameters are {}", names.join(", ")))
         })?;
+        if !kind.polarimeter.pair && plates.len() < lines.len() {
+            let what = "the line of sight has no half-wave plate; --telescope names one that has";
+            return Err(wrong(what.to_owned()));
+        }
         Ok(Named {
             text: text.clone(),
             kind,
