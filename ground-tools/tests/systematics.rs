@@ -10,9 +10,9 @@ fn systematics(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_gyrfalcon")).args(all).output().unwrap()
 }
 
-/// A quick survey: 1 Hz, a year, coarse pixels.
+/// A quick survey: a sample every 4 s for a year, coarse pixels.
 const QUICK: [&str; 8] =
-    ["--nside", "128", "--rate", "1", "--sun", "circular:0", "--duration", "365d"];
+    ["--nside", "64", "--rate", "0.25", "--sun", "circular:0", "--duration", "365d"];
 
 fn summary(arguments: &[&[&str]]) -> Value {
     let output = systematics(&[&QUICK, &arguments.concat()[..], &["--json"]].concat());
@@ -27,7 +27,7 @@ fn effects_have_spectra_maps_and_a_bias() {
     let (rows, maps, pictures) = (path("cl.csv"), path("maps"), path("pictures"));
     let found = summary(&[
         &["--effect", "hwp_ip:eps=1e-5", "--effect", "angle:delta=1arcmin"][..],
-        &["--fwhm", "0deg", "--cmb-lmax", "191", "--tod", "--realisations", "6"],
+        &["--fwhm", "0deg", "--cmb-lmax", "191", "--tod", "--realisations", "3"],
         &["--out", &rows, "--maps", &maps, "--svg", &pictures],
     ]);
     let effects = found["effects"].as_array().unwrap();
@@ -43,9 +43,9 @@ fn effects_have_spectra_maps_and_a_bias() {
     assert!((number(1, "/delta_r") / 8.004_504_5e-7 - 1.0).abs() < 0.02, "{found}");
     let scatter = number(1, "/realisations/standard_deviation");
     let off = number(1, "/realisations/mean") - number(1, "/delta_r");
-    // Six skies: their mean is within 0.4 of a standard deviation, two in three times.
+    // Three skies: their mean is within 0.6 of a standard deviation, two in three times.
     assert!(scatter > 0.0 && off.abs() < 1.5 * scatter, "{found}");
-    assert_eq!(effects[1]["realisations"]["delta_r"].as_array().unwrap().len(), 6);
+    assert_eq!(effects[1]["realisations"]["delta_r"].as_array().unwrap().len(), 3);
     assert!(effects[0]["realisations"].is_null() && effects[1]["rms_uk"].is_null());
     assert_eq!((&effects[0]["sky"], &effects[1]["sky"]), (&"dipole".into(), &"CMB, mean".into()));
     let both = found["together_delta_r"].as_f64().unwrap();
