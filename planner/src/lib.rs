@@ -31,6 +31,7 @@
 pub mod progress;
 pub mod time;
 pub mod healpix;
+pub mod harmonics;
 pub mod world;
 pub mod provenance;
 pub mod constraints;
@@ -44,5 +45,6 @@ pub mod schedule;
 pub mod plan;
 pub mod survey;
 pub mod mapmaking;
+pub mod systematics;
 pub mod resonance;
 pub mod history_fit;

@@ -45,6 +45,8 @@ pub enum Verb {
     Survey(SurveyArgs),
     /// Moire resonance of precession, spin and orbit: a bound over the tolerances, pass or fail
     Resonance(ResonanceArgs),
+    /// Instrumental systematics through the scan: spectra of what they leave, and the bias on r
+    Systematics(SystematicsArgs),
     /// Test vectors for flight code: attitudes, directions, plate angles, transits
     Vectors(VectorsArgs),
     /// An attitude history against the mission: residuals, fitted periods and phases, outliers

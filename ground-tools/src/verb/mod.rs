@@ -12,6 +12,7 @@ mod transits;
 mod visits;
 mod survey;
 mod resonance;
+mod systematics;
 mod vectors;
 mod verify;
 mod telemetry;
@@ -39,6 +40,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Visits(arguments) => visits::run(shared, arguments),
         Verb::Survey(arguments) => survey::run(shared, arguments),
         Verb::Resonance(arguments) => resonance::run(shared, arguments),
+        Verb::Systematics(arguments) => systematics::run(shared, arguments),
         Verb::Vectors(arguments) => vectors::run(shared, arguments),
         Verb::Verify(arguments) => verify::run(shared, arguments),
         Verb::Telemetry(verb) => telemetry::run(shared, verb),

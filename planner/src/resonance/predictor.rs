@@ -10,8 +10,8 @@
 //! Limits: pairs whose power cannot exceed [`NEGLIGIBLE_PAIR`] at any m are left out.
 
 use super::motion::Motion;
-use super::wigner::{LANES, MAX_L, RightAngle, fill_wigner_d, wigner_d};
 use super::window::Window;
+use crate::harmonics::wigner::{LANES, MAX_L, RightAngle, fill_wigner_d, wigner_d};
 use pulp::{Arch, NullaryFnOnce};
 use std::collections::BTreeMap;
 

@@ -42,7 +42,7 @@ mod write;
 
 pub use card::{Card, CardValue};
 pub use error::{FitsError, FitsFileError};
-pub use read::{ColumnChoice, Frames, Map, read_map, read_map_from};
+pub use read::{ColumnChoice, Columns, Frames, Map, read_columns, read_map, read_map_from};
 pub use stokes::{StokesMap, read_stokes, read_stokes_from};
 pub use write::{
     Column, MapHeader, Values, provenance_cards, write_maps, write_primary, write_table,

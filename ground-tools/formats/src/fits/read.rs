@@ -77,6 +77,50 @@ pub fn read_map_from(
     })
 }
 
+/// Several columns of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Columns {
+    /// Resolution.
+    pub nside: Nside,
+    /// In which order pixels stand.
+    pub ordering: Ordering,
+    /// Frame of longitudes and latitudes.
+    pub frame: MapFrame,
+    /// Each column's name, and its values by pixel, NaN where unobserved.
+    pub columns: Vec<(String, Vec<f64>)>,
+}
+
+/// Reads columns of a file in one pass, of each the first that has one of its names.
+///
+/// # Errors
+/// [`FitsFileError`] with the path and what [`FitsError`] says.
+pub fn read_columns(
+    path: &Path,
+    wanted: &[&[&str]],
+    frames: Frames,
+) -> Result<Columns, FitsFileError> {
+    with_file(path, |source| {
+        let opened = Opened::of(source, frames)?;
+        let missing = |names: &[&str]| FitsError::NoColumn {
+            wanted: names.join(" or "),
+            present: opened.table.names(),
+        };
+        let found: Vec<usize> = wanted
+            .iter()
+            .map(|names| opened.named(names).ok_or_else(|| missing(names)))
+            .collect::<Result<_, _>>()?;
+        let values = opened.read(source, &found)?;
+        let name = |&at: &usize| opened.table.fields.get(at).map(|field| field.name.clone());
+        let names = found.iter().map(|at| name(at).unwrap_or_default());
+        Ok(Columns {
+            nside: opened.nside,
+            ordering: opened.ordering,
+            frame: opened.frame,
+            columns: names.zip(values).collect(),
+        })
+    })
+}
+
 pub(super) fn with_file<T>(
     path: &Path,
     read: impl FnOnce(&mut dyn Read) -> Result<T, FitsError>,

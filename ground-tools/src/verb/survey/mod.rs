@@ -29,6 +29,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use watch::Watch;
 
+pub(super) use options::{refused, slow_sampling};
+
 pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Failure> {
     let nside = options::nside(arguments.nside, arguments.moment.len())?;
     let moments = options::moments(&arguments.moment)?;

@@ -222,7 +222,11 @@ pub(super) fn check_plates(
 }
 
 /// The sampling condition of each telescope that looks, where it does not hold.
-pub(super) fn slow_sampling(world: &World, lines: &[SightLine], rate: &Number) -> Vec<String> {
+pub(in crate::verb) fn slow_sampling(
+    world: &World,
+    lines: &[SightLine],
+    rate: &Number,
+) -> Vec<String> {
     let margin = world.mission.scan.n_margin.to_f64();
     let mut told: Vec<String> = Vec::new();
     for line in lines {
@@ -244,7 +248,7 @@ pub(super) fn slow_sampling(world: &World, lines: &[SightLine], rate: &Number) -
 }
 
 /// Why a rate cannot be surveyed at.
-pub(super) fn refused(rate: &Number, error: SamplingError) -> Failure {
+pub(in crate::verb) fn refused(rate: &Number, error: SamplingError) -> Failure {
     Failure::Input(match error {
         SamplingError::NotPositive { .. } => format!("--rate {rate}: a rate above 0 Hz is needed"),
         SamplingError::TooSlow { least_hz, .. } => {

@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 /// Nodes on 0 to 1, falling, with weights that sum to 1.
-pub(super) fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(order: u32) -> Vec<(f64, f64)> {
     let node = |i: u32| {
         let mut x = (PI * (f64::from(i) + 0.75) / (f64::from(order) + 0.5)).cos();
         let mut slope = 1.0;

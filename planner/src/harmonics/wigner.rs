@@ -25,21 +25,21 @@ pub const MAX_L: usize = 2048;
 /// Binary logarithm of one unit of scale.
 const UNIT_LOG2: f64 = 512.0;
 /// `2^-512`.
-pub(super) const UNIT: f64 = f64::from_bits((1023 - 512) << 52);
+pub(crate) const UNIT: f64 = f64::from_bits((1023 - 512) << 52);
 /// `2^256`: a scaled value beyond it is taken one unit down.
-pub(super) const LARGE: f64 = f64::from_bits((1023 + 256) << 52);
+pub(crate) const LARGE: f64 = f64::from_bits((1023 + 256) << 52);
 
 /// A value `x 2^(-512 units)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scaled {
-    pub(super) x: f64,
-    pub(super) units: u32,
+pub(crate) struct Scaled {
+    pub(crate) x: f64,
+    pub(crate) units: u32,
 }
 
 impl Scaled {
     const ZERO: Self = Self { x: 0.0, units: 0 };
 
-    pub(super) fn of_log2(log2: f64, negative: bool) -> Self {
+    pub(crate) fn of_log2(log2: f64, negative: bool) -> Self {
         let units = (-log2 / UNIT_LOG2).floor().max(0.0);
         let x = (log2 + units * UNIT_LOG2).exp2();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 100")]
@@ -49,7 +49,7 @@ impl Scaled {
 }
 
 /// `log2(n!)`.
-pub(super) fn log2_factorial(n: i32) -> f64 {
+pub(crate) fn log2_factorial(n: i32) -> f64 {
     if n < 20 {
         return (2..=n).map(f64::from).product::<f64>().log2();
     }
@@ -61,7 +61,7 @@ pub(super) fn log2_factorial(n: i32) -> f64 {
 }
 
 /// `d^l_mn(beta)` at its lowest degree, `l = max(|m|, |n|)`.
-pub(super) fn first_value(m: i32, n: i32, beta_rad: f64) -> Scaled {
+pub(crate) fn first_value(m: i32, n: i32, beta_rad: f64) -> Scaled {
     let l = m.abs().max(n.abs());
     // Which of the four corners, the power of the cosine less l, and whether odd powers change sign.
     let (other, alternates) = if m == l {
@@ -95,7 +95,7 @@ pub fn wigner_d(m: i32, n: i32, beta_rad: f64, l_max: usize) -> Vec<f64> {
 }
 
 /// [`wigner_d`] into a row that starts at l = 0.
-pub(super) fn fill_wigner_d(m: i32, n: i32, beta_rad: f64, row: &mut [f64]) {
+pub(crate) fn fill_wigner_d(m: i32, n: i32, beta_rad: f64, row: &mut [f64]) {
     row.fill(0.0);
     let start = m.abs().max(n.abs());
     let first = usize::try_from(start).unwrap_or(usize::MAX);
@@ -128,14 +128,14 @@ pub(super) fn fill_wigner_d(m: i32, n: i32, beta_rad: f64, row: &mut [f64]) {
 }
 
 /// Values of m that [`RightAngle`] takes at a time.
-pub(super) const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 
 /// `1 / sqrt((l + 1)^2 - m^2)` for [`LANES`] consecutive m, by l; 0 where m exceeds l.
 type InverseRoots = Vec<[f64; LANES]>;
 
 /// Sums of squares of `d^l_mk(90 deg)` over l.
 #[derive(Debug, Clone, Default)]
-pub(super) struct RightAngle {
+pub(crate) struct RightAngle {
     /// By the first m over [`LANES`], once known.
     roots: Vec<Option<InverseRoots>>,
 }
@@ -143,7 +143,7 @@ pub(super) struct RightAngle {
 impl RightAngle {
     /// `sum_l weights[l] d^l_mk(90 deg)^2` for [`LANES`] consecutive m from `LANES block`, those
     /// beyond the last l zero; k not negative.
-    pub(super) fn sums(&mut self, block: usize, k: i32, weights: &[f64]) -> [f64; LANES] {
+    pub(crate) fn sums(&mut self, block: usize, k: i32, weights: &[f64]) -> [f64; LANES] {
         self.prepare(block, weights.len());
         let first_m = i32::try_from(LANES * block).unwrap_or(i32::MAX);
         let roots = self.roots[block].as_deref().unwrap_or(&[]);
@@ -167,7 +167,7 @@ impl RightAngle {
     }
 
     /// `weights[l] d^l_mk(90 deg)` from l = 0, m and k not negative.
-    pub(super) fn row(&mut self, [m, k]: [usize; 2], weights: &[f64]) -> Vec<f64> {
+    pub(crate) fn row(&mut self, [m, k]: [usize; 2], weights: &[f64]) -> Vec<f64> {
         let mut row = vec![0.0; weights.len()];
         let start = m.max(k);
         let (Ok(m_i), Ok(k_i)) = (i32::try_from(m), i32::try_from(k)) else { return row };
