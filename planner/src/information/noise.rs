@@ -48,11 +48,12 @@ pub fn antenna_per_thermodynamic(frequency_ghz: f64, bandwidth_ghz: Option<f64>)
     let low = frequency_ghz - 0.5 * width;
     let sum: f64 = (0..=steps)
         .map(|step| {
-            let weight = match step {
-                0 => 1.0,
-                _ if step == steps => 1.0,
-                _ if step % 2 == 1 => 4.0,
-                _ => 2.0,
+            let weight = if step == 0 || step == steps {
+                1.0
+            } else if step % 2 == 1 {
+                4.0
+            } else {
+                2.0
             };
             weight * ratio_at(low + width * f64::from(step) / f64::from(steps))
         })

@@ -11,6 +11,7 @@ use super::parameter::Parameter;
 use super::profile::decibel;
 use super::sight::Look;
 use super::window::Windows;
+use mission::number::Number;
 use mission::requirement::{Quantity, Requirement};
 use onboard_core::time::{Duration, Instant};
 use std::f64::consts::PI;
@@ -177,7 +178,7 @@ fn required(
         limit: Some(it.sigma()),
     };
     if it.quantity == Quantity::BeamLevel {
-        let radius_arcmin = it.radius_arcmin.as_ref().map_or(0.0, |it| it.to_f64());
+        let radius_arcmin = it.radius_arcmin.as_ref().map_or(0.0, Number::to_f64);
         let radius_rad = (radius_arcmin / 60.0).to_radians();
         let worst = lesson.profile.worst_to(radius_rad / of.receiver.fwhm_rad().unwrap_or(1.0));
         rows.push(row(Measure::Level(radius_rad), worst.is_finite().then_some(worst)));

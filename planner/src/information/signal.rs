@@ -48,13 +48,14 @@ impl Distances {
         let last = u32::try_from(self.km.len().checked_sub(4)?).unwrap_or(u32::MAX);
         let steps = at.since(self.start).seconds() / self.step_s;
         let first = whole(steps - 1.0).min(last);
-        let t = steps - f64::from(first);
-        let p = self.km.get(usize::try_from(first).ok()?..)?.first_chunk::<4>()?;
+        let place = steps - f64::from(first);
+        let km = self.km.get(usize::try_from(first).ok()?..)?.first_chunk::<4>()?;
         // Lagrange's cubic through 0, 1, 2, 3.
-        let (a, b, c) = (t - 1.0, t - 2.0, t - 3.0);
+        let [zero, one, two, three] = [0.0, 1.0, 2.0, 3.0].map(|node| place - node);
         Some(
-            -p[0] * a * b * c / 6.0 + p[1] * t * b * c / 2.0 - p[2] * t * a * c / 2.0
-                + p[3] * t * a * b / 6.0,
+            -km[0] * one * two * three / 6.0 + km[1] * zero * two * three / 2.0
+                - km[2] * zero * one * three / 2.0
+                + km[3] * zero * one * two / 6.0,
         )
     }
 }
