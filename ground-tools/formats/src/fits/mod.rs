@@ -38,9 +38,11 @@ mod read;
 mod stokes;
 mod table;
 mod write;
+mod image;
 
 pub use card::{Card, CardValue};
 pub use error::{FitsError, FitsFileError};
+pub use image::{Image, Plane, write_images};
 pub use read::{ColumnChoice, Frames, Map, read_map, read_map_from};
 pub use stokes::{StokesMap, read_stokes, read_stokes_from};
 pub use write::{

@@ -391,8 +391,8 @@ mod tests {
             found.net_uk_rts,
             found.knee_mhz,
         ]
-        .map(|it| it.unwrap().to_f64());
-        assert_eq!(texts, [17.9, 1.0, 402.0, 92.0, 385.69, 20.0]);
+        .map(|it| it.unwrap().text().to_owned());
+        assert_eq!(texts, ["17.9", "1.0", "402.0", "92.0", "385.69", "20.0"]);
         let none = with(r#""net_ukrts": null"#).mounted().unwrap().receiver;
         assert_eq!(none, Receiver::default());
         let fault = |values: &str| with(values).mounted().unwrap_err().to_string();

@@ -1,0 +1,181 @@
+//! A beam's error map, its profile, and what cannot be told apart, as figures; the map as FITS.
+
+use super::answer::Answer;
+use crate::failure::Failure;
+use crate::output::{fill_folder, whole};
+use crate::picture::{
+    Axis, Chart, Drawing, Figure, MatrixPicture, PlanePicture, Ring, Scale, Series, Shape, chart,
+    matrix_picture, plane_picture, write_figures,
+};
+use formats::fits::{Image, Plane, provenance_cards, write_images};
+use mission::number::Number;
+use onboard_core::ephemeris::EphemerisTable;
+use planner::information::{
+    ANNULI, BeamMap, COUNT, Lesson, Parameter, REACH, SIDE, beam_map, decibel, gaussian,
+    inner_radius_fwhm,
+};
+use planner::provenance::Provenance;
+use std::path::Path;
+
+/// Levels that rings and lines mark, in dB.
+const MARKED: [(f64, &str); 3] = [(-3.0, "-3 dB"), (-20.0, "-20 dB"), (-30.0, "-30 dB")];
+
+/// Writes the figures of the only look that was asked for.
+pub(super) fn write(
+    answer: &Answer<'_>,
+    table: EphemerisTable<'_>,
+    folder: &Path,
+) -> Result<(), Failure> {
+    let Some(look) = answer.looks.first() else { return Ok(()) };
+    let map = beam_map(answer.world, table, look, answer.sessions)?;
+    let mut lesson = Lesson::default();
+    for window in answer.windows.of_kind(0) {
+        lesson.add(&answer.forecast.together(0, window));
+    }
+    let fwhm_arcmin = look.receiver.fwhm_arcmin.as_ref().map_or(1.0, Number::to_f64);
+    let key = look.key();
+    let title = format!("{}: beam of {key}", answer.world.mission.name);
+    let drawn = [
+        ("beam-map", map_picture(&map, fwhm_arcmin, &title)?),
+        ("beam-profile", profile_chart(&lesson, fwhm_arcmin, &title)?),
+        ("correlations", correlations(answer, &key)?),
+    ];
+    let stem = key.replace(|c: char| !c.is_ascii_alphanumeric() && !"._+-".contains(c), "-");
+    let figures: Vec<Figure> = drawn
+        .into_iter()
+        .map(|(name, drawing)| Figure { stem: format!("{stem}-{name}"), drawing })
+        .collect();
+    write_figures([Some(folder), Some(folder)], &figures)?;
+    let bytes = fits(&map, fwhm_arcmin, answer)?;
+    let name = format!("{stem}-beam-map.fits");
+    fill_folder(folder, vec![(name.as_str(), whole(&bytes))])
+}
+
+fn cells(of: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    (0..SIDE * SIDE).map(|index| of(index % SIDE, index / SIDE)).collect()
+}
+
+fn map_picture(map: &BeamMap, fwhm_arcmin: f64, title: &str) -> Result<Drawing, Failure> {
+    let values = cells(|column, row| {
+        let level = decibel(map.error(column, row));
+        if level.is_finite() { level } else { f64::NAN }
+    });
+    let finite = || values.iter().copied().filter(|it| it.is_finite());
+    let (low, high) = (finite().fold(0.0, f64::min), finite().fold(-200.0, f64::max));
+    // Contours at a few whole levels.
+    let step = ((high - low) / 5.0).ceil().max(1.0);
+    let levels: Vec<f64> = (1..5_u8)
+        .map(|n| (low / step).floor() * step + step * f64::from(n))
+        .filter(|it| *it < high)
+        .collect();
+    let rings: Vec<Ring<'_>> = MARKED
+        .iter()
+        .map(|(level, name)| Ring { radius: radius_at(*level) * fwhm_arcmin, name })
+        .collect();
+    Ok(plane_picture(&PlanePicture {
+        title,
+        quantity: "error of the response in a cell",
+        unit: "dB",
+        axes: ["x", "y"],
+        axes_unit: "arcmin",
+        half: REACH * fwhm_arcmin,
+        values: &values,
+        side: SIDE,
+        levels: &levels,
+        rings: &rings,
+    })?)
+}
+
+/// Where a Gaussian beam is at a level in dB, in full widths.
+fn radius_at(level: f64) -> f64 {
+    (level / 10.0 * 10_f64.ln() / (-4.0 * std::f64::consts::LN_2)).sqrt()
+}
+
+fn profile_chart(lesson: &Lesson, fwhm_arcmin: f64, title: &str) -> Result<Drawing, Failure> {
+    let edge = |annulus: usize| inner_radius_fwhm(annulus) * fwhm_arcmin;
+    let mut error = Vec::new();
+    for annulus in 0..ANNULI {
+        let level = decibel(lesson.profile.error(annulus));
+        let level = if level.is_finite() { level } else { f64::NAN };
+        error.push((edge(annulus), level));
+        error.push((edge(annulus + 1), level));
+    }
+    let reach = edge(ANNULI);
+    let beam: Vec<(f64, f64)> = (0..=200_u8)
+        .map(|n| {
+            let part = f64::from(n) / 200.0;
+            (reach * part, decibel(gaussian(REACH * part)))
+        })
+        .collect();
+    let least = error.iter().map(|it| it.1).filter(|it| it.is_finite()).fold(-42.0, f64::min);
+    let flat = |level: f64| [(0.0, level), (reach, level)];
+    let (twenty, thirty) = (flat(-20.0), flat(-30.0));
+    Ok(chart(&Chart {
+        title,
+        x: Axis {
+            quantity: "distance from the beam's centre",
+            unit: "arcmin",
+            scale: Scale::Linear,
+            range: Some((0.0, reach)),
+        },
+        y: Axis {
+            quantity: "response",
+            unit: "dB",
+            scale: Scale::Linear,
+            range: Some((least - 3.0, 2.0)),
+        },
+        series: &[
+            Series { name: "Gaussian beam", shape: Shape::Line(&beam) },
+            Series { name: "error in a cell of 1/8 FWHM", shape: Shape::Line(&error) },
+            Series { name: "-20 dB", shape: Shape::Line(&twenty) },
+            Series { name: "-30 dB", shape: Shape::Line(&thirty) },
+        ],
+        marks: &[],
+        bands: &[],
+        width_px: 1100,
+        height_px: 680,
+    })?)
+}
+
+fn fits(map: &BeamMap, fwhm_arcmin: f64, answer: &Answer<'_>) -> Result<Vec<u8>, Failure> {
+    let error = cells(|column, row| {
+        let error = map.error(column, row);
+        if error.is_finite() { error } else { f64::NAN }
+    });
+    let seconds = cells(|column, row| map.seconds(column, row));
+    let cards = provenance_cards(&Provenance::of(answer.world));
+    let plane = Plane { side: SIDE, half: REACH * fwhm_arcmin, unit: "arcmin", cards: &cards };
+    let images = [
+        Image { name: "ERROR", unit: "", values: &error },
+        Image { name: "SECONDS", unit: "s", values: &seconds },
+    ];
+    let mut bytes = Vec::new();
+    write_images(&mut bytes, &plane, &images)?;
+    Ok(bytes)
+}
+
+/// The correlations of all errors, and below them what is hard to tell apart.
+fn correlations(answer: &Answer<'_>, key: &str) -> Result<Drawing, Failure> {
+    let errors = answer.errors(0);
+    let kept: Vec<usize> = (0..COUNT).filter(|&i| errors.alone[i].is_some()).collect();
+    let names: Vec<&str> = kept.iter().map(|&i| Parameter::EACH[i].name()).collect();
+    let mut values = Vec::new();
+    for &row in &kept {
+        values.extend(kept.iter().map(|&column| errors.correlation[row][column]));
+    }
+    let notes: Vec<String> = errors
+        .degeneracies
+        .iter()
+        .map(|it| {
+            let (one, other) = (it.one.name(), it.other.name());
+            format!("{one}, {other} ({:.3}): told apart by {}", it.correlation, it.broken_by())
+        })
+        .collect();
+    let title = format!("{}: correlations of errors of {key}", answer.world.mission.name);
+    Ok(matrix_picture(&MatrixPicture {
+        title: &title,
+        names: &names,
+        values: &values,
+        notes: &notes,
+    })?)
+}
