@@ -13,6 +13,7 @@ use formats::vectors::VectorsError;
 use mission::fault::MissionError;
 use mission::nearest_first;
 use mission::occasions::OccasionError;
+use pictures::PictureError;
 use planner::onboard::JudgeError;
 use planner::opportunities::{OffersError, SightError};
 use planner::plan::{Asked, DemandError, PlanError, RevisionError};
@@ -77,6 +78,15 @@ macro_rules! input {
 }
 
 input!(MissionError, OccasionError, FitsFileError, TimelineError, TooLarge);
+
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
+        match error {
+            PictureError::Render(_) => Self::internal(error),
+            _ => Self::input(error),
+        }
+    }
+}
 
 /// Errors that checked input cannot cause.
 macro_rules! internal {

@@ -234,6 +234,35 @@ fn seasons_gaps_and_logarithms_are_accounted_for() {
     assert!(objective <= dwell(&log) / 600.0 * (1.0 + 1e-9), "{objective}");
 }
 
+/// A fortnight of LiteBIRD with one key in its schedule.
+fn fortnight(key: &str) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!(
+        "base = \"litebird\"\n[span]\nstart = \"2032-04-01T00:00:00Z\"\nduration_days = 14\n\
+         {SCHEDULE}{key}\n"
+    );
+    put(folder.path(), "m.toml", &text);
+    timeline(folder.path())
+}
+
+/// `HiGHS` proves 1039.7015 s.
+#[test]
+fn a_thermal_window_as_long_as_the_mission_is_solved_to_the_end() {
+    let plan = fortnight("thermal = { minutes = 180, window_hours = 336 }");
+    let number = |key: &str| plan[key].as_f64().unwrap();
+    assert!((number("objective") - 1_039.701_5).abs() < 1e-3, "{}", number("objective"));
+    assert!(number("gap") < 1e-9 && plan["stopped"] == "optimal", "{}", plan["stopped"]);
+}
+
+/// Nothing but gaps counts at such a price, in the schedule and in its bound.
+#[test]
+fn gaps_at_any_price_are_bounded_as_they_are_charged() {
+    let plan = fortnight("longest_gain_gap = { days = 0.5, price_per_day = 1e6 }");
+    let number = |key: &str| plan[key].as_f64().unwrap();
+    assert!(number("objective") <= number("upper_bound") && number("objective") < -1e6);
+    assert!(number("gap") < 1e-6, "{}", number("gap"));
+}
+
 #[test]
 fn files_that_cannot_be_used_are_named_with_the_line() {
     let blackouts = "blackouts = \"b.csv\"";

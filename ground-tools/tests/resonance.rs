@@ -103,6 +103,7 @@ fn the_papers_scan_has_its_resonances() {
 
 /// The ellipse and L2 are in the certificate: simulations on DE440 within the box keep below it.
 #[test]
+#[ignore = "a minute of simulation: cargo test --test resonance -- --ignored"]
 fn simulations_on_the_real_orbit_keep_below_the_bound() {
     let bound = checked(&[]).0["sigma_bound_in_box"].as_f64().unwrap();
     for minutes in ["192.328", "192.348", "192.368"] {

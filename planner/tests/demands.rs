@@ -206,45 +206,113 @@ fn worth(problem: &Problem, chosen: &[usize]) -> f64 {
     worth
 }
 
+/// The best worth by exhaustive search; `None` where no set meets the rules.
+fn exhaustive(problem: &Problem) -> Option<f64> {
+    let count = problem.candidates.len();
+    let sets = (0_u32..1 << count).map(|set| (0..count).filter(move |it| set >> it & 1 == 1));
+    let sets = sets.map(Iterator::collect::<Vec<usize>>);
+    let allowed = sets.filter(|chosen| check(problem, chosen).is_ok());
+    allowed.map(|chosen| worth(problem, &chosen)).reduce(f64::max)
+}
+
+/// Schedule and bound are those of exhaustive search; false where the rules contradict each other.
+fn agrees(problem: &Problem, round: usize) -> bool {
+    match (schedule(problem), exhaustive(problem)) {
+        (Ok(found), Some(best)) => {
+            assert_eq!(check(problem, &found.chosen), Ok(()), "round {round}");
+            let own = worth(problem, &found.chosen);
+            let close = 1e-6 * best.abs().max(1.0);
+            assert!((found.objective - own).abs() < close, "round {round}: {own}");
+            assert!(found.upper_bound >= best - close, "round {round}: bound too low");
+            assert!(found.objective >= best - close, "round {round}: {found:?} {best}");
+            assert_eq!(found.stopped, Stopped::Optimal, "round {round}");
+            assert!(found.gap.abs() < 1e-6, "round {round}: {}", found.gap);
+            let all = found.chosen.len() + found.rejected.len();
+            let count = problem.candidates.len();
+            assert_eq!(all, count, "round {round}: a reason for each that is left out");
+            true
+        }
+        (Err(ScheduleError::Infeasible(conflict)), None) => {
+            assert!(conflict.possible < conflict.wanted && !conflict.rules.is_empty());
+            false
+        }
+        (found, best) => panic!("round {round}: {found:?}, best {best:?}"),
+    }
+}
+
 #[test]
 fn small_problems_with_every_demand_agree_with_exhaustive_search() {
     let mut random = SplitMix64(2_032);
     let (mut infeasible, mut kinds) = (0, [0; 3]);
     for round in 0..400 {
         let problem = small(&mut random);
-        let count = problem.candidates.len();
-        let mut best: Option<f64> = None;
-        for set in 0_u32..1 << count {
-            let chosen: Vec<usize> = (0..count).filter(|it| set >> it & 1 == 1).collect();
-            if check(&problem, &chosen).is_ok() {
-                let worth = worth(&problem, &chosen);
-                best = Some(best.map_or(worth, |best| best.max(worth)));
-            }
-        }
         kinds[0] += i32::from(problem.demands.log.is_some());
         kinds[1] += i32::from(problem.demands.data.is_some());
-        match (schedule(&problem), best) {
-            (Ok(found), Some(best)) => {
-                assert_eq!(check(&problem, &found.chosen), Ok(()), "round {round}");
-                let own = worth(&problem, &found.chosen);
-                let close = 1e-6 * best.abs().max(1.0);
-                assert!((found.objective - own).abs() < close, "round {round}: {own}");
-                assert!(found.upper_bound >= best - close, "round {round}: bound too low");
-                assert!(found.objective >= best - close, "round {round}: {found:?} {best}");
-                assert_eq!(found.stopped, Stopped::Optimal, "round {round}");
-                assert!(found.gap.abs() < 1e-6, "round {round}: {}", found.gap);
-                let all = found.chosen.len() + found.rejected.len();
-                assert_eq!(all, count, "round {round}: a reason for each that is left out");
-            }
-            (Err(ScheduleError::Infeasible(conflict)), None) => {
-                infeasible += 1;
-                assert!(conflict.possible < conflict.wanted && !conflict.rules.is_empty());
-            }
-            (found, best) => panic!("round {round}: {found:?}, best {best:?}"),
-        }
+        infeasible += i32::from(!agrees(&problem, round));
     }
     assert!(infeasible > 20 && infeasible < 300, "{infeasible}");
     assert!(kinds[0] > 50 && kinds[1] > 50, "{kinds:?}");
+}
+
+/// A gap's price far above what sessions are worth is not cut.
+#[test]
+fn gaps_may_cost_any_price() {
+    let mut random = SplitMix64(51);
+    for round in 0..100 {
+        let mut problem = small(&mut random);
+        let price_per_day = [1e5, 1e6, 1e7][round % 3];
+        let longest = minutes(between(&mut random, 400, 2_000));
+        problem.demands.longest_gap = Some(LongestGap { longest, price_per_day });
+        agrees(&problem, round);
+    }
+}
+
+/// Contacts before, during and after sessions that overlap on two telescopes; reserved time in windows.
+#[test]
+fn memory_and_thermal_windows_agree_with_exhaustive_search() {
+    let mut random = SplitMix64(77);
+    for round in 0..200 {
+        let mut list = Vec::new();
+        for _ in 0..between(&mut random, 6, 11) {
+            let (target, telescope) = (0, index(between(&mut random, 0, 1)));
+            let start = between(&mut random, 15, 1_300);
+            list.push(candidate(target, telescope, start, between(&mut random, 30, 120)));
+        }
+        let mut problem = problem(list, 1);
+        problem.rules.max_per_day = None;
+        problem.rules.max_sessions = None;
+        if round % 3 < 2 {
+            let mut contacts = Vec::new();
+            let mut at_minute = between(&mut random, 0, 60);
+            while at_minute < 1_300 {
+                let until = at_minute + between(&mut random, 5, 90);
+                let bit_s = between(&mut random, 300, 4_000).unsigned_abs();
+                contacts.push(Contact { from: at(at_minute), until: at(until), bit_s });
+                at_minute = until + between(&mut random, 5, 150);
+            }
+            let memory_bit = between(&mut random, 5_000_000, 12_000_000).unsigned_abs();
+            problem.demands.data = Some(Data { rate_bit_s: 1_000, memory_bit, contacts });
+        }
+        if round % 3 > 0 {
+            let most = minutes(between(&mut random, 120, 260));
+            let window = minutes(between(&mut random, 200, 1_500));
+            problem.demands.thermal = Some(Thermal { most, window });
+        }
+        assert!(agrees(&problem, round));
+    }
+}
+
+/// A contact while the second session is set up empties the memory for it.
+#[test]
+fn a_contact_during_the_setup_makes_room() {
+    let mut problem = problem(vec![candidate(0, 0, 100, 100), candidate(0, 0, 215, 100)], 1);
+    problem.demands.data = Some(Data {
+        rate_bit_s: 1_000,
+        memory_bit: 6_500_000,
+        contacts: vec![Contact { from: at(205), until: at(215), bit_s: 10_000 }],
+    });
+    assert_eq!(schedule(&problem).unwrap().chosen, [0, 1]);
+    assert!(agrees(&problem, 0));
 }
 
 #[test]

@@ -56,9 +56,7 @@ fn a_watched_schedule_is_the_same_and_tells_its_steps() {
     let found = schedule_until(&problem, &watcher).unwrap();
     assert_eq!(found, schedule(&problem).unwrap());
     let told = watcher.told();
-    for step in ["bounds by days", "schedules by days", "relaxation and cuts"] {
-        assert!(told.iter().any(|it| it == step), "{step}: {told:?}");
-    }
+    assert!(told.iter().any(|it| it == "labels"), "{told:?}");
     let watcher = Watcher::default();
     assert!(!loosen(&problem, &watcher).unwrap().is_empty());
     assert_eq!(watcher.told(), ["loosened rules"]);

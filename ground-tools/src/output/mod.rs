@@ -3,6 +3,7 @@
 //! A file is written beside its place and renamed into it; a device or a pipe is written to; a plan's folder gets its files only when
 //! all of them could be written. `-` is standard output; a reader that closes it early is no error.
 
+pub mod figures;
 pub mod interrupt;
 pub mod memory;
 pub mod stamp;

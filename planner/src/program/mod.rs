@@ -72,7 +72,7 @@ pub use outcome::{Ended, Outcome};
 pub use problem::{Cell, Choice, LARGEST_COEFFICIENT, LARGEST_VALUE, Program, Row};
 pub use solve::solve;
 
-pub(crate) use charge::{Charged, charged};
+pub(crate) use charge::{Charged, Dualised, charged, worth_of};
 pub(crate) use relaxation::Relaxed;
 pub(crate) use separation::{grow, relax, relaxed_shares};
 pub(crate) use solve::solve_from;

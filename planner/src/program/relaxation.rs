@@ -38,6 +38,13 @@ pub(crate) struct Relaxed {
     pub(super) shares: Vec<f64>,
 }
 
+impl Relaxed {
+    /// Prices of the rows and slopes of the cells, in units.
+    pub(crate) fn per_unit(&self) -> (Vec<f64>, Vec<f64>) {
+        (self.prices.per_unit(), self.prices.slopes_per_unit())
+    }
+}
+
 /// Prices and shares; `None` where the solver fails. Shares known already say which choices matter.
 pub(super) fn solve(program: &Program, known: &[f64]) -> Option<Relaxed> {
     let count = program.values.len();

@@ -11,6 +11,8 @@ use onboard_core::sequencer::SkipReason;
 use onboard_core::time::{Duration, Instant};
 use std::collections::BTreeMap;
 
+const DAY_S: f64 = 86_400.0;
+
 /// Further rules, and the objective.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Demands {
@@ -62,6 +64,12 @@ impl LongestGap {
     #[must_use]
     pub fn step(&self) -> Duration {
         Duration::from_ns((self.longest.ns() / 8).max(1))
+    }
+
+    /// Objective lost per window that no session starts in.
+    #[must_use]
+    pub fn charge(&self) -> f64 {
+        self.price_per_day * self.step().seconds() / DAY_S
     }
 }
 
@@ -139,6 +147,14 @@ impl Log {
 }
 
 impl Demands {
+    /// The largest charge at one place: for an empty window of the longest gap, or a change of the earlier
+    /// plan.
+    pub(super) fn largest_charge(&self) -> f64 {
+        let gap = self.longest_gap.map(|it| it.charge());
+        let change = self.previous.as_ref().map(|it| it.price);
+        gap.into_iter().chain(change).fold(0.0, f64::max)
+    }
+
     /// Whether nothing is asked for but other values.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -107,4 +107,12 @@ pub enum ScheduleError {
     /// The program's own schedule broke a rule.
     #[error("internal: the schedule found breaks a rule: {0}")]
     Unsound(Violation),
+    /// The program's own bound is below its own schedule.
+    #[error("internal: the schedule is worth {objective}, but the bound is {upper_bound}")]
+    BoundBelow {
+        /// Worth of the schedule.
+        objective: f64,
+        /// The bound.
+        upper_bound: f64,
+    },
 }

@@ -5,13 +5,13 @@
 //! of weight times dwell in seconds, or what the [`Demands`] value instead; [`Rules`] and [`Demands`]
 //! say which sessions may stand together.
 //!
-//! Method: candidates that no schedule can hold are screened out (`model.rs`). The search by days
-//! (`daily/`) dualises the rows that link days, searches each day exactly, and gives a schedule and a
-//! bound; the integer programme of all rules (`joint/`, [`program`](crate::program)) starts from it and
-//! gives another bound (`solve.rs`). Where the rules contradict each other, a minimal infeasible subset
-//! of them is reported (`infeasible.rs`). The result passes [`check()`], which shares no code with the
-//! rest; each candidate left out gets the rule that excludes it (`explain.rs`), each rule its use and
-//! its shadow price (`usage.rs`). All arithmetic on time is in integer nanoseconds, on value in integers.
+//! Method: candidates that no schedule can hold are screened out (`model.rs`). Labels, an exact dynamic
+//! programme over time (`labels/`, `lagrangian.rs`), give a schedule and a bound; the integer programme of
+//! all rules (`joint/`, [`program`](crate::program)) goes on from them where they are not close
+//! (`solve.rs`). Where the rules contradict each other, a minimal infeasible subset of them is reported
+//! (`infeasible.rs`). The result passes [`check()`], which shares no code with the rest; each candidate left
+//! out gets the rule that excludes it (`explain.rs`), each rule its use and its shadow price (`usage.rs`).
+//! All arithmetic on time is in integer nanoseconds, on value in integers.
 //!
 //! Limits: effort is bounded by counts of work, never by a clock, so equal input gives equal
 //! output. The schedule need not be the best one; the bound holds for any prices, whatever the
@@ -57,6 +57,8 @@ mod price;
 mod draft;
 mod daily;
 mod joint;
+mod labels;
+mod lagrangian;
 mod infeasible;
 mod explain;
 mod usage;

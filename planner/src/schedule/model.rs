@@ -1,6 +1,7 @@
 //! The problem as the search sees it: sessions that could stand, in integers.
 //!
-//! Times are i64 ns of TAI. Values are i64 units, one unit being the largest value over 2^40; a
+//! Times are i64 ns of TAI. Values are i64 units, one unit being the largest value (or a sixteenth of a larger
+//! charge) over 2^40; a
 //! value is rounded up, so that a bound on sums of units is a bound on sums of values. At most 2^21
 //! candidates of at most 2^40 units keep every sum inside an i64.
 //!
@@ -19,6 +20,8 @@ use onboard_core::time::Duration;
 
 /// Units of the largest value.
 const LARGEST_VALUE: f64 = 1_099_511_627_776.0;
+/// Largest charge at one place over the largest value: the programme's values go to 2^45.
+const CHARGE_PER_VALUE: f64 = 16.0;
 /// Shortest cell where no rule sets days, in ns: a day.
 const CELL_NS: i64 = 86_400_000_000_000;
 
@@ -67,7 +70,7 @@ pub(super) struct Model {
     pub(super) longest: i64,
     /// Length of the mission in ns.
     pub(super) span_ns: i64,
-    /// Value of the most valuable session.
+    /// Value of the most valuable session, or more.
     largest: f64,
 }
 
@@ -78,7 +81,9 @@ impl Model {
         let total = problem.candidates.len();
         let reasons: Vec<_> = (0..total).map(|index| screen(problem, index)).collect();
         let stand = || (0..total).filter(|&index| reasons[index].is_none());
-        let largest = stand().map(|index| problem.value(index)).fold(0.0, f64::max);
+        // No charge is more than the integers of the programme hold.
+        let charge = problem.demands.largest_charge() / CHARGE_PER_VALUE;
+        let largest = stand().map(|index| problem.value(index)).fold(charge, f64::max);
         let telescopes = problem.candidates.iter().map(|it| it.telescope).collect();
         let (lane_names, lane_of) = lanes(rules.exclusive, telescopes);
         let mut sessions: Vec<_> = stand()

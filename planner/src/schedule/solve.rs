@@ -1,15 +1,12 @@
-//! The schedule under all rules: the search by days where it is sharp, the integer programme for
-//! everything.
+//! The schedule under all rules: labels first, the integer programme for what they leave.
 //!
-//! Method: over many sessions the search by days (`daily/`) gives a schedule under overlap, days and
-//! windows of starts, and a bound; leaving rules out and charges away only raises a bound, so it holds
-//! under all rules. The integer programme (`joint/`, `crate::program`) starts from that schedule, knows
-//! every rule, and gives a second bound; the lower of the two counts. Without demands both see the same
-//! rules, and what the programme found is improved by days and by the programme once more: they exchange
-//! different sets, so each gets the other out of its local optimum. Demands that cannot be met are
-//! explained by `infeasible.rs`.
+//! Method: labels and multipliers (`lagrangian.rs`) give a schedule and a bound; where these are close the
+//! search ends. Else the integer programme (`joint/`, `crate::program`) starts from that schedule, knows
+//! every rule, and gives a second bound; the lower of the two counts. Where labels do not serve, the search
+//! by days (`daily/`) takes their place: leaving rules out and charges away only raises a bound, so its bound
+//! holds under all rules. Demands that cannot be met are explained by `infeasible.rs`.
 //!
-//! Limits: as both methods; the logarithmic objective has the programme alone.
+//! Limits: as the methods.
 
 use super::check::check;
 use super::daily::{self, Days, Relaxed, improved};
@@ -19,6 +16,7 @@ use super::error::ScheduleError;
 use super::explain;
 use super::infeasible;
 use super::joint::{Built, Facts, build};
+use super::lagrangian::{self, Found as Labelled};
 use super::model::Model;
 use super::problem::Problem;
 use super::reason::Because;
@@ -27,7 +25,8 @@ use super::usage;
 use super::worth;
 use crate::program::number::f64_from_i128;
 use crate::program::{
-    self, Aids, Ended, Family, Limits, Outcome, Program, charged, grow, relax, solve_from,
+    self, Aids, Dualised, Ended, Family, Limits, Outcome, Program, charged, grow, relax,
+    solve_from, worth_of,
 };
 use crate::progress::{Progress, Quietly, StopOnly};
 use std::collections::BTreeMap;
@@ -48,6 +47,12 @@ const TOGETHER: Limits =
 /// Most numbers touched where the programme works alone.
 const ALONE_WORK: usize = 15_000_000_000;
 
+/// Labels within one part in so many of their bound need no other search; the same under demands over
+/// many sessions. Over few, the programme may prove more.
+const NEAR: i128 = 1_000;
+const NEAR_DEMANDS: i128 = 100;
+/// Rounding of sums of f64, as a share of what is summed; a bound further below its own schedule is a defect.
+const ROUNDING: f64 = 1e-9;
 /// Rounds of rows of families before the search.
 const ROW_ROUNDS: usize = 8;
 
@@ -75,10 +80,51 @@ pub fn schedule_until(
     let mut built = build(problem, &model, &facts);
     let relaxed = daily::relax(&model);
     let regime = Regime::of(&problem.demands, model.sessions.len());
-    let prepared = Prepared::new(&mut built, &relaxed, regime, progress);
+    let labelled = lagrangian::search(&mut built, &relaxed.prices, progress);
+    if let Some(found) = labelled.as_ref().and_then(|it| settled(&built, it, regime)) {
+        let search = Search::new(&built, &Prepared::NOTHING, regime, progress);
+        return search.report((&found, &relaxed), screened);
+    }
+    let prepared = Prepared::new(&mut built, (&relaxed, labelled), regime, progress);
     let search = Search::new(&built, &prepared, regime, progress);
     let found = search.run(&relaxed)?;
     search.report((&found, &relaxed), screened)
+}
+
+/// The schedule by labels, where it comes close enough to its bound.
+fn settled(built: &Built<'_>, found: &Labelled, regime: Regime) -> Option<Outcome> {
+    let taken = found.taken.clone()?;
+    let value = worth_of(&built.program, &taken);
+    let missing = (found.bound - value).max(0);
+    let near = if !regime.demands {
+        NEAR
+    } else if regime.many() {
+        NEAR_DEMANDS
+    } else {
+        i128::MAX
+    };
+    if missing > (value - built.offset).abs() / near {
+        return None;
+    }
+    // The labels' own rules have no multipliers: the relaxation has.
+    let (prices, slopes) = if built.label_rows.is_empty() {
+        (found.multipliers.rows.clone(), found.multipliers.slopes.clone())
+    } else {
+        relax(&built.program, &vec![0.0; built.program.values.len()])?.per_unit()
+    };
+    Some(Outcome {
+        taken: Some(taken),
+        value,
+        bound: found.bound,
+        relaxed: found.bound,
+        prices,
+        family_prices: Vec::new(),
+        slopes,
+        shares: Vec::new(),
+        ended: if found.exact || missing == 0 { Ended::Proven } else { Ended::Work },
+        nodes: 0,
+        cuts: 0,
+    })
 }
 
 /// Which searches a problem gets.
@@ -125,6 +171,7 @@ impl Regime {
 
 /// What is known before the programme is searched.
 struct Prepared {
+    labelled: Option<Labelled>,
     days: Option<Days>,
     /// Candidates and bound of a search by days, further rules dualised.
     charged: Option<(Vec<usize>, i128)>,
@@ -133,25 +180,34 @@ struct Prepared {
 }
 
 impl Prepared {
-    /// The search by days, and beside it the programme's relaxation with rows of its families, which may
+    /// Nothing.
+    const NOTHING: Self = Self { labelled: None, days: None, charged: None, ready: None };
+
+    /// What labels found; the search by days where they did not serve or demands join the days, and beside
+    /// it the programme's relaxation with rows of its families, which may
     /// give a second search by days; the programme keeps the rows.
     fn new(
         built: &mut Built<'_>,
-        relaxed: &Relaxed,
+        (relaxed, labelled): (&Relaxed, Option<Labelled>),
         regime: Regime,
         progress: &dyn Progress,
     ) -> Self {
+        let by_days = regime.by_days && (labelled.is_none() || regime.together());
         let (problem, model) = (built.problem, built.model);
         let own_rows = built.program.rows.len();
         let families: Vec<&dyn Family> = built.families.iter().map(AsRef::as_ref).collect();
         let (program, offset, further) = (&mut built.program, built.offset, built.further);
         // Clarabel works alone meanwhile.
         let (days, (charged, (ready, grown))) = rayon::join(
-            || regime.by_days.then(|| Days::new(problem, (model, relaxed), progress)),
+            || by_days.then(|| Days::new(problem, (model, relaxed), progress)),
             || {
-                if regime.by_days && regime.together() {
+                if by_days && regime.together() {
                     let (ready, grown) = grow(program, &families, (ROW_ROUNDS, offset));
-                    let charged = ready.as_ref().map(|ready| charged(program, ready, further));
+                    let charged = ready.as_ref().map(|ready| {
+                        let (rows, slopes) = ready.per_unit();
+                        let which = Dualised { rows_from: further, cells_until: usize::MAX };
+                        charged(program, (&rows, &slopes), which)
+                    });
                     let quiet = StopOnly(progress);
                     (charged.and_then(|it| Days::charged(model, &it, &quiet)), (ready, grown))
                 } else if regime.many() {
@@ -162,8 +218,8 @@ impl Prepared {
             },
         );
         built.rules.resize(built.program.rows.len(), None);
-        built.grown = (own_rows..).zip(grown).collect();
-        Self { days, charged, ready }
+        built.grown.extend((own_rows..).zip(grown));
+        Self { labelled, days, charged, ready }
     }
 }
 
@@ -252,20 +308,25 @@ impl<'s> Search<'s> {
         solve_from(program, limits, &aids, ready).ok()
     }
 
-    /// The earlier plan, else a schedule by days.
+    /// A schedule by labels, else the earlier plan, else a schedule by days.
     fn start(&self) -> Vec<usize> {
         let previous = self.built.problem.demands.previous.as_ref().map(|it| &it.sessions);
         let charged = self.prepared.charged.as_ref().map(|it| &it.0);
         let days = self.prepared.days.as_ref().map(|it| &it.chosen);
+        if let Some(taken) = self.prepared.labelled.as_ref().and_then(|it| it.taken.clone()) {
+            return taken;
+        }
         let start = previous.or(charged).or(days);
         start.map(|candidates| self.sessions_of(candidates)).unwrap_or_default()
     }
 
-    /// The least bound by days, in the programme's units.
+    /// The least bound by labels and by days, in the programme's units.
     fn known(&self) -> Option<i128> {
         let units = self.prepared.days.as_ref().and_then(|it| it.units);
         let plain = units.map(|bound| bound + self.built.offset);
-        plain.into_iter().chain(self.prepared.charged.as_ref().map(|it| it.1)).min()
+        let charged = self.prepared.charged.as_ref().map(|it| it.1);
+        let labelled = self.prepared.labelled.as_ref().map(|it| it.bound);
+        plain.into_iter().chain(charged).chain(labelled).min()
     }
 
     /// Sessions of candidates, where they could stand.
@@ -299,6 +360,11 @@ impl<'s> Search<'s> {
         let mut upper_bound = value_above(units, built);
         if let Some(days) = &self.prepared.days {
             upper_bound = upper_bound.min(days.bound);
+        }
+        // Charges may cancel what the sessions bring.
+        let size = objective.abs() + built.value(f64_from_i128(built.offset)).abs();
+        if objective - upper_bound > ROUNDING * size {
+            return Err(ScheduleError::BoundBelow { objective, upper_bound });
         }
         let upper_bound = upper_bound.max(objective);
         let gap = (upper_bound - objective) / upper_bound.abs();

@@ -2,14 +2,15 @@
 
 use super::answer::Answer;
 use crate::failure::Failure;
+use crate::output::figures::{Figure, write_figures};
 use crate::output::{fill_folder, whole};
-use crate::picture::{
-    Axis, Chart, Drawing, Figure, MatrixPicture, PlanePicture, Ring, Scale, Series, Shape, chart,
-    matrix_picture, plane_picture, write_figures,
-};
 use formats::fits::{Image, Plane, provenance_cards, write_images};
 use mission::number::Number;
 use onboard_core::ephemeris::EphemerisTable;
+use pictures::{
+    Axis, Chart, Drawing, MatrixPicture, PlanePicture, Ring, Scale, Series, Shape, chart,
+    matrix_picture, plane_picture,
+};
 use planner::information::{
     ANNULI, BeamMap, COUNT, Lesson, Parameter, REACH, SIDE, beam_map, decibel, gaussian,
     inner_radius_fwhm,

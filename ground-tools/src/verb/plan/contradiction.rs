@@ -12,7 +12,9 @@ pub(super) fn plan_failure(world: &World, error: PlanError) -> Failure {
         PlanError::Schedule(ScheduleError::Infeasible(conflict)) => {
             Failure::Check(contradiction(world, &conflict))
         }
-        PlanError::Schedule(error @ ScheduleError::Unsound(_)) => Failure::internal(error),
+        PlanError::Schedule(
+            error @ (ScheduleError::Unsound(_) | ScheduleError::BoundBelow { .. }),
+        ) => Failure::internal(error),
         PlanError::Schedule(error @ ScheduleError::NotFound) => Failure::Check(error.to_string()),
         error => error.into(),
     }

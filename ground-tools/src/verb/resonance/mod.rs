@@ -13,7 +13,7 @@ use super::told::{print_json, tell};
 use crate::cli::{ResonanceArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
-use crate::picture::{Figure, write_figures};
+use crate::output::figures::{Figure, write_figures};
 use figure::{Point, figure};
 use formats::resonance::{json as checked_json, minutes, sentence};
 use formats::rows::Column;

@@ -14,7 +14,7 @@ use crate::cli::quantities::rate_hz;
 use crate::cli::{Format, SharedArgs, VisitsArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
-use crate::picture::write_figures;
+use crate::output::figures::write_figures;
 use ephem::time::format_tdb;
 use figures::Setting;
 use formats::rows::Field::{Number, Tdb, Whole, Word};

@@ -7,6 +7,9 @@ use crate::program::{Choice, Program};
 use crate::schedule::model::Model;
 use crate::schedule::problem::Problem;
 
+/// Largest charge at one place over the largest weight of a logarithm.
+const CHARGE_PER_WEIGHT: f64 = 256.0;
+
 /// The programme of a problem.
 pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts) -> Built<'m> {
     let demands = &problem.demands;
@@ -14,7 +17,8 @@ pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
         None => model.unit(),
         Some(log) => {
             let weights = problem.weights.iter().chain(log.weights.values());
-            (LARGEST_CELL, weights.copied().fold(f64::MIN_POSITIVE, f64::max))
+            let charge = demands.largest_charge() / CHARGE_PER_WEIGHT;
+            (LARGEST_CELL, weights.copied().fold(charge.max(f64::MIN_POSITIVE), f64::max))
         }
     };
     let count = model.sessions.len();
@@ -38,6 +42,8 @@ pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
         },
         rules: Vec::new(),
         further: 0,
+        label_rows: 0..0,
+        further_families: 0,
         families: Vec::new(),
         refusals: Vec::new(),
         offset: 0,
@@ -52,8 +58,10 @@ pub(crate) fn build<'m>(problem: &'m Problem, model: &'m Model, facts: &'m Facts
     built.days();
     built.starts();
     built.further = built.program.rows.len();
+    built.further_families = built.families.len();
     built.heat();
     built.memory();
+    built.label_rows = built.further..built.program.rows.len();
     for diversity in &demands.diversity {
         built.cones(diversity);
     }

@@ -5,7 +5,7 @@
 
 use super::facts::Facts;
 use crate::program::number::i64_from_usize;
-use crate::program::{Family, Program, Row};
+use crate::program::{Family, Gain, Program, Row};
 use crate::schedule::model::Model;
 use crate::schedule::problem::Problem;
 use crate::schedule::reason::Because;
@@ -64,6 +64,10 @@ pub(crate) struct Built<'m> {
     pub(crate) rules: Vec<Option<Rule>>,
     /// The rows before this one are those of overlap, days and starts.
     pub(crate) further: usize,
+    /// Rows that labels know beyond those: of thermal windows and of the memory.
+    pub(crate) label_rows: Range<usize>,
+    /// The families before this one are theirs, too.
+    pub(crate) further_families: usize,
     pub(crate) families: Vec<Box<dyn Family + 'm>>,
     /// Why a session is left out that a family refuses.
     pub(crate) refusals: Vec<Because>,
@@ -99,6 +103,21 @@ impl<'m> Built<'m> {
             limit: -i64_from_usize(season.wanted),
         }));
         strict
+    }
+
+    /// The price in units of each window of the longest gap.
+    pub(crate) fn gap_prices(&self) -> impl Iterator<Item = i64> + '_ {
+        // Their cells are the last ones.
+        let first = self.program.cells.len().saturating_sub(self.gaps.len());
+        self.program.cells[first..].iter().map(|cell| match cell.gain {
+            Gain::Shortfall { price, .. } => price,
+            Gain::Log { .. } => 0,
+        })
+    }
+
+    /// Whether a family is one of scan angles.
+    pub(crate) fn is_of_angles(&self, family: usize) -> bool {
+        self.angles.iter().any(|it| it.family == family)
     }
 
     /// Adds a family, and why it leaves sessions out.

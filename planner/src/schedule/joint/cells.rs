@@ -22,7 +22,6 @@ const SEASON_PRICE: f64 = 12.0;
 /// Units of the logarithmic objective's largest cell.
 pub(super) const LARGEST_CELL: f64 = 68_719_476_736.0;
 const MS: i64 = 1_000_000;
-const DAY_S: f64 = 86_400.0;
 
 /// Target, telescope, epoch and range of scan angles.
 type CellKey = (usize, usize, i64, u32);
@@ -37,7 +36,8 @@ impl Built<'_> {
             let epoch = epoch(problem, session.start, log.epoch);
             let (target, telescope) = facts.of[id];
             for &(bin, time) in &log.parts[session.candidate] {
-                let ms = time.ns() / MS;
+                // Rounded up, so that no schedule is worth more than the programme says.
+                let ms = time.ns().saturating_add(MS - 1) / MS;
                 let terms = cells.entry((target, telescope, epoch, bin)).or_default();
                 match terms.last_mut() {
                     Some(last) if last.0 == id => last.1 += ms,
@@ -92,7 +92,7 @@ impl Built<'_> {
         let (problem, model, facts) = (self.problem, self.model, self.facts);
         let Some(gap) = problem.demands.longest_gap else { return };
         let step = gap.step();
-        self.gap_charge = gap.price_per_day * step.seconds() / DAY_S;
+        self.gap_charge = gap.charge();
         let price = i64_from_f64(self.units(self.gap_charge).floor()).clamp(0, 1 << 44);
         let mut telescopes: Vec<usize> = facts.of.iter().map(|it| it.1).collect();
         telescopes.sort_unstable();

@@ -1,8 +1,8 @@
 //! Drawings under names, written into folders.
 
-use super::drawing::Drawing;
+use super::write_folder;
 use crate::failure::Failure;
-use crate::output::write_folder;
+use pictures::Drawing;
 use rayon::prelude::*;
 use std::path::Path;
 

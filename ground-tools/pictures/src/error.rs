@@ -1,6 +1,5 @@
 //! Why there is no picture.
 
-use crate::failure::Failure;
 use thiserror::Error;
 
 /// Why there is no picture.
@@ -44,13 +43,4 @@ pub enum PictureError {
     /// What was drawn cannot be made an image.
     #[error("the drawing cannot be made an image: {0}")]
     Render(String),
-}
-
-impl From<PictureError> for Failure {
-    fn from(error: PictureError) -> Self {
-        match error {
-            PictureError::Render(_) => Self::internal(error),
-            _ => Self::input(error),
-        }
-    }
 }

@@ -26,13 +26,11 @@ mod sky;
 mod chart;
 mod plane;
 mod matrix;
-mod figure;
 
 pub use chart::{Axis, Band, Chart, Mark, Series, Shape, chart};
 pub use colour::{ColourMap, Range, Scale};
 pub use drawing::Drawing;
 pub use error::PictureError;
-pub use figure::{Figure, write_figures};
 pub use matrix::{MatrixPicture, matrix_picture};
 pub use plane::{PlanePicture, Ring, plane_picture};
 pub use projection::View;

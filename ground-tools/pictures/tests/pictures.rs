@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may unwrap")]
 
 use formats::fits::MapFrame;
-use ground_tools::picture::{
+use pictures::{
     Axis, Chart, ColourMap, Drawing, Mark, PictureError, Range, Scale, Series, Shape, SkyMap,
     SkyPicture, Track, View, chart, sky_picture,
 };
