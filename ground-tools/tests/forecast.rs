@@ -31,7 +31,14 @@ fn rows_have_the_keys_of_the_page_and_requirements_their_verdict() {
                 telescope = \"M1-100\"\nevery_days = 15\n";
     fs::write(folder.path().join("m.toml"), text).unwrap();
     let mission = ["--mission", "m.toml", "--telescope", "MFT", "--json", "--out", "rows.parquet"];
-    let found = json(&run(folder.path(), &[&SMALL[..], &mission].concat()));
+    let output = run(folder.path(), &[&SMALL[..], &mission].concat());
+    assert_eq!(output.status.code(), Some(1));
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        told.contains("requirements are missed: time_constant 1 us every 15 d of M1-100"),
+        "{told}"
+    );
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(fs::read(folder.path().join("rows.parquet")).unwrap().starts_with(b"PAR1"));
     let rows = found["rows"].as_array().unwrap();
     // Five channels, Jupiter and all: eight parameters and three radii; then requirements.
@@ -62,13 +69,19 @@ fn rows_have_the_keys_of_the_page_and_requirements_their_verdict() {
         (&verdicts[0]["met"], &verdicts[1]["met"]),
         (&Value::Bool(true), &Value::Bool(false))
     );
-    assert_eq!(verdicts[1]["rows"], 2);
+    assert_eq!((&verdicts[1]["rows"], &verdicts[1]["missed_by_noise"]), (&2.into(), &2.into()));
+    let missed = rows.iter().filter(|it| it["met"] == false);
+    assert!(missed.clone().count() == 2 && missed.clone().all(|it| it["why"] == "noise"));
+    let levels = found["profiles"][0]["level_db"].as_array().unwrap();
+    assert!(levels.len() == 16 && levels.iter().all(|it| it.as_f64().is_none_or(|it| it < 0.0)));
     let angle = rows.iter().find(|it| it["quantity"] == "polarisation_angle").unwrap();
     assert!(angle["sigma"].is_null());
 
     let output = run(folder.path(), &[&SMALL[..], &mission[..4]].concat());
     let table = String::from_utf8(output.stdout).unwrap();
-    assert!(table.contains("MFT/M1-100") && table.contains("MISSED in 2 of 2"), "{table}");
+    assert!(table.contains("MFT/M1-100"), "{table}");
+    assert!(table.starts_with("requirements:\n  gain 20 % of MFT: met in all 5 cases"), "{table}");
+    assert!(table.contains("MISSED in 2 of 2 cases (noise 2), most by MFT/M1-100"), "{table}");
     assert!(table.contains("offset_y and time_constant"), "{table}");
 }
 
@@ -88,6 +101,40 @@ fn a_plans_sessions_teach_less_than_all_passes() {
     };
     let (all, planned) = (gain(&[]), gain(&["--plan", "plan"]));
     assert!(planned > all && planned < 10.0 * all, "{planned} {all}");
+}
+
+#[test]
+fn a_plan_says_first_what_it_does_not_teach() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "base = \"litebird\"\n[span]\nduration_days = 20\n\
+                [[calibration.requirement]]\nquantity = \"gain\"\nsigma = \"10 %\"\ntelescope = \"MFT\"\n\
+                [[calibration.requirement]]\nquantity = \"polarisation_angle\"\nsigma = \"1 deg\"\n\
+                telescope = \"HFT\"\n";
+    fs::write(folder.path().join("m.toml"), text).unwrap();
+    let plan = ["plan", "--mission", "m.toml", "--out", "plan"];
+    let output = run(folder.path(), &plan);
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && told.starts_with("ALERT: "), "{told}");
+    let missed = "polarisation_angle 1 deg of HFT: MISSED in 5 of 5 cases (geometry 5)";
+    for line in [&format!("ALERT: {missed}"), "  gain 10 % of MFT: met in all 5 cases, least by "] {
+        assert!(told.contains(line), "{line} is not in {told}");
+    }
+    let (met, hours) = (told.find("  gain 10 %").unwrap(), told.find("hours offered").unwrap());
+    assert!(met < hours && told.contains(" sessions; no session for "));
+    let page = fs::read_to_string(folder.path().join("plan/report.html")).unwrap();
+    let (alert, cards) = (page.find(missed).unwrap(), page.find("dl class=\"cards\"").unwrap());
+    assert!(alert < cards && page.contains("What the plan teaches</h2>"));
+    assert!(page.contains("1 of 2 met") && page.contains("MFT/M1-100"));
+
+    let again = [&plan[..], &["--force", "--strict", "--json"]].concat();
+    let output = run(folder.path(), &again);
+    assert_eq!(output.status.code(), Some(1));
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("requirement polarisation_angle 1 deg of HFT: MISSED"), "{told}");
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["requirements"][0]["met"], true);
+    assert_eq!(found["longest_gaps"].as_array().unwrap().len(), 3);
+    assert!(found["alerts"][0].is_string());
 }
 
 #[test]

@@ -32,7 +32,7 @@ pub use colour::{ColourMap, Range, Scale};
 pub use drawing::Drawing;
 pub use error::PictureError;
 pub use matrix::{MatrixPicture, matrix_picture};
-pub use plane::{PlanePicture, Ring, plane_picture};
+pub use plane::{Contours, PlanePicture, Ring, plane_picture};
 pub use projection::View;
 pub use sky::{SkyPicture, Track, sky_picture};
 pub use sky_map::SkyMap;

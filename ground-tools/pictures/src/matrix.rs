@@ -76,7 +76,7 @@ pub fn matrix_picture(picture: &MatrixPicture) -> Result<Drawing, PictureError> 
         let baseline = bottom + if second { 2.35 } else { 1.25 } * size;
         canvas.text(x, baseline, Text::new(size * 0.86, Anchor::Middle), name);
     }
-    let mut y = bottom + (1.3 + 1.1 * rows) * size;
+    let mut y = bottom + (1.9 + 1.1 * rows) * size;
     for note in picture.notes {
         let fits = (WIDTH - 40.0) / font::width(note).max(1.0);
         let style = Text { colour: FAINT, ..Text::new((size * 0.9).min(fits), Anchor::Start) };
@@ -87,8 +87,11 @@ pub fn matrix_picture(picture: &MatrixPicture) -> Result<Drawing, PictureError> 
     Ok(canvas.finish(picture.title))
 }
 
-/// Two decimals; three nines where it would be one.
+/// Two decimals, none of them a negative zero; four where it would be one.
 fn number(value: f64) -> String {
+    if value.abs() < 0.005 {
+        return "0.00".to_owned();
+    }
     if value.abs() < 1.0 && value.abs() >= 0.995 {
         return format!("{value:.4}");
     }
@@ -107,7 +110,7 @@ mod tests {
         let picture = MatrixPicture { title: "t", names: &names, values: &values, notes: &notes };
         let drawn = matrix_picture(&picture).unwrap();
         assert!(drawn.svg().contains(">-0.50<") && drawn.svg().contains("gain, width"));
-        assert_eq!(number(0.99999), "1.0000");
+        assert_eq!([number(0.99871), number(-0.004)], ["0.9987", "0.00"]);
         assert!(matrix_picture(&MatrixPicture { names: &[], ..picture }).is_err());
     }
 }

@@ -24,6 +24,17 @@ pub struct Ring<'a> {
     pub name: &'a str,
 }
 
+/// Lines over the cells along which another quantity has a level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contours<'a> {
+    /// That quantity in the same cells; NaN where there is none.
+    pub values: &'a [f64],
+    /// Its levels.
+    pub levels: &'a [f64],
+    /// What the lines show, with the levels.
+    pub meaning: &'a str,
+}
+
 /// How values over a plane are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanePicture<'a> {
@@ -43,13 +54,15 @@ pub struct PlanePicture<'a> {
     pub values: &'a [f64],
     /// Cells along each side.
     pub side: usize,
-    /// Levels of contours.
-    pub levels: &'a [f64],
+    /// Lines over them.
+    pub contours: Option<Contours<'a>>,
     /// Circles about the middle.
     pub rings: &'a [Ring<'a>],
 }
 
 const WIDTH: f64 = 1000.0;
+/// Light enough for the cells, dark enough for the paper.
+const CONTOUR: Stroke<'_> = Stroke::new("#f2a7c3", 2.4);
 
 /// Draws values over a plane.
 ///
@@ -74,10 +87,12 @@ pub fn plane_picture(picture: &PlanePicture) -> Result<Drawing, PictureError> {
         "plane",
         &format!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>"),
     );
-    for &level in picture.levels {
-        for [from, to] in contour(picture, level) {
-            let place = |(x, y): (f64, f64)| (across(x), up(y));
-            canvas.line(place(from), place(to), Stroke::new("#ffffff", 2.2));
+    if let Some(lines) = picture.contours {
+        for &level in lines.levels {
+            for [from, to] in contour(lines.values, picture, level) {
+                let place = |(x, y): (f64, f64)| (across(x), up(y));
+                canvas.line(place(from), place(to), CONTOUR);
+            }
         }
     }
     for ring in picture.rings {
@@ -101,12 +116,10 @@ pub fn plane_picture(picture: &PlanePicture) -> Result<Drawing, PictureError> {
     let title = (picture.quantity, picture.unit);
     let bar = Bar { colours: ColourMap::Viridis, title, span, beyond: (false, beyond) };
     below += colour_bar(&mut canvas, &bar, (WIDTH, below, size));
-    let levels: Vec<String> = picture.levels.iter().map(ToString::to_string).collect();
-    let contours = format!("contours at {} {}", levels.join(", "), picture.unit);
     let grey = format!("#{0:02x}{0:02x}{0:02x}", UNOBSERVED[0]);
     let mut entries: Vec<(Sample, &str)> = Vec::new();
-    if !levels.is_empty() {
-        entries.push((Sample::Area("#31688e"), &contours));
+    if let Some(lines) = picture.contours {
+        entries.push((Sample::Line(CONTOUR), lines.meaning));
     }
     if picture.values.iter().any(|it| !it.is_finite()) {
         entries.push((Sample::Area(&grey), "no pass"));
@@ -184,9 +197,9 @@ fn image(picture: &PlanePicture, span: Span) -> Result<Vec<u8>, PictureError> {
 type Point = (f64, f64);
 
 /// Pieces of a contour.
-fn contour(picture: &PlanePicture, level: f64) -> Vec<[Point; 2]> {
+fn contour(values: &[f64], picture: &PlanePicture, level: f64) -> Vec<[Point; 2]> {
     let side = picture.side;
-    let value = |column: usize, row: usize| picture.values[row * side + column];
+    let value = |column: usize, row: usize| values[row * side + column];
     let middle = |index: usize| {
         let whole = u32::try_from(index).unwrap_or(u32::MAX);
         let count = u32::try_from(side).unwrap_or(u32::MAX);
@@ -244,7 +257,7 @@ mod tests {
             half: 2.0,
             values,
             side: 16,
-            levels: &[1.0],
+            contours: Some(Contours { values, levels: &[1.0], meaning: "error of 1 dB" }),
             rings,
         }
     }
@@ -256,7 +269,7 @@ mod tests {
         };
         let values: Vec<f64> = (0..256).map(|it| middle(it % 16).hypot(middle(it / 16))).collect();
         let plane = picture(&values, &[]);
-        let pieces = contour(&plane, 1.0);
+        let pieces = contour(&values, &plane, 1.0);
         assert!(pieces.len() > 20);
         for (x, y) in pieces.into_iter().flatten() {
             assert!((x.hypot(y) - 1.0).abs() < 0.02, "{x} {y}");
@@ -270,6 +283,6 @@ mod tests {
         let rings = [Ring { radius: 1.0, name: "-3 dB" }];
         let drawn = plane_picture(&picture(&values, &rings)).unwrap();
         assert!(drawn.svg().contains("no pass") && drawn.svg().contains("-3 dB"));
-        assert!(drawn.svg().contains("contours at 1 dB"));
+        assert!(drawn.svg().contains("error of 1 dB"));
     }
 }

@@ -153,10 +153,10 @@ mod tests {
             map.pass(&it, FWHM, 1.0);
             let mut sampled = BeamMap::default();
             let (sin, cos) = zeta.sin_cos();
-            let steps = 400_000;
-            let step_s = 6.0 * FWHM / it.speed_rad_s / f64::from(steps);
-            for n in 0..steps {
-                let run = it.speed_rad_s * (f64::from(n) + 0.5 - f64::from(steps) / 2.0) * step_s;
+            let count = 400_000;
+            let step_s = 6.0 * FWHM / it.speed_rad_s / f64::from(count);
+            for n in 0..count {
+                let run = it.speed_rad_s * (f64::from(n) + 0.5 - f64::from(count) / 2.0) * step_s;
                 let x = (-it.impact_rad * cos - run * sin) / FWHM;
                 let y = (it.impact_rad * sin - run * cos) / FWHM;
                 if x.abs() < 2.0 && y.abs() < 2.0 {

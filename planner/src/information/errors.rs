@@ -2,7 +2,7 @@
 //!
 //! Method: F is scaled to a unit diagonal, C = D F D with D = F_ii^(-1/2), and C taken apart into its
 //! eigenvectors (nalgebra's symmetric QR). The error of a parameter with all others free is
-//! D_i sqrt((C^-1)_ii). A parameter that no datum depends on is left out. Directions whose eigenvalue is
+//! `D_i sqrt((C^-1)_ii)`. A parameter that no datum depends on is left out. Directions whose eigenvalue is
 //! below [`NULL`] of the largest are not measured: a parameter with more than [`PART`] of itself along them
 //! has no error, for the others they are left out.
 //!
@@ -158,7 +158,9 @@ mod tests {
 
     fn summed(passes: &[Crossing]) -> Fisher {
         let mut sum = Fisher::default();
-        passes.iter().for_each(|it| sum.add(&it.fisher()));
+        for it in passes {
+            sum.add(&it.fisher());
+        }
         sum
     }
 
@@ -194,7 +196,7 @@ mod tests {
         assert!(Errors::of(&summed(&passes)).of_parameter(Parameter::TimeConstant).is_some());
     }
 
-    /// Normal deviates by SplitMix64 and Box and Muller.
+    /// Normal deviates by `SplitMix64` and Box and Muller.
     struct Noise(u64);
 
     impl Noise {

@@ -42,6 +42,7 @@ mod signal;
 mod error;
 mod forecast;
 mod rows;
+mod teaching;
 #[cfg(test)]
 mod signal_model;
 #[cfg(test)]
@@ -56,6 +57,7 @@ pub use noise::{BACKGROUND_K, SHORT, antenna_per_thermodynamic, share_left};
 pub use parameter::{COUNT, Parameter};
 pub use pass::{Crossing, Modulation, SIGMA_PER_FWHM};
 pub use profile::{ANNULI, CELLS_PER_FWHM, Profile, decibel, gaussian, inner_radius_fwhm};
-pub use rows::{Measure, Row, Verdict, rows, verdicts, windows_of};
+pub use rows::{Measure, Row, Verdict, Why, rows, verdicts, windows_of};
 pub use sight::{Look, REACH, looks};
+pub use teaching::{Teaching, one_of_each};
 pub use window::{MONTH_DAYS, QUARTER_DAYS, Windows};

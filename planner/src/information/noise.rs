@@ -7,8 +7,8 @@
 //!
 //! averaged over a band that is flat about its frequency.
 //!
-//! **1/f noise** is white noise times 1 + f_knee / f. A pass lasts a few times s / v, short beside
-//! 1 / f_knee; with e = f_knee 2 pi s / v the information on the gain is
+//! **1/f noise** is white noise times `1 + f_knee / f`. A pass lasts a few times s / v, short beside
+//! `1 / f_knee`; with `e = f_knee 2 pi s / v` the information on the gain is
 //!
 //!     R(e) = (2 / sqrt(pi)) int_0^inf exp(-y^2) y / (y + e) dy
 //!

@@ -5,7 +5,7 @@
 //! | `gain` | fraction | of its amplitude |
 //! | `offset_x`, `offset_y` | rad | of the beam's centre along the detector's x and y |
 //! | `width` | fraction | of the beam's width, all directions alike |
-//! | `e_plus`, `e_cross` | | (C_xx - C_yy) / (C_xx + C_yy) and 2 C_xy / (C_xx + C_yy) of the beam's C |
+//! | `e_plus`, `e_cross` | | `(C_xx - C_yy) / (C_xx + C_yy)` and `2 C_xy / (C_xx + C_yy)` of the beam's C |
 //! | `time_constant` | s | of a response 1 / (1 + i w tau) |
 //! | `polarisation_angle` | rad | of the detector's angle of polarisation |
 //!

@@ -5,7 +5,7 @@
 //! [`impact_rad`](crate::worth::impact_rad). The source crosses the beam along w = (b n + x v) / s in units
 //! of the Gaussian's s = FWHM / sqrt(8 ln 2), x = -v t / s.
 //!
-//! Method: with G = exp(-w^2 / 2) and a modulation 1 + f cos(theta), theta = theta_c + rate t, every
+//! Method: with G = exp(-w^2 / 2) and a modulation 1 + f cos(theta), `theta = theta_c + rate t`, every
 //! derivative is a polynomial in x times G times 1 + f cos(theta), or G times -2 f sin(theta) for the angle
 //! of polarisation. Products are moments
 //!
@@ -152,7 +152,7 @@ impl Crossing {
     }
 }
 
-/// J_0 to J_4.
+/// `J_0` to `J_4`.
 fn gaussian_moments(k: f64) -> [Complex<f64>; 5] {
     let first = Complex::new(PI.sqrt() * (-0.25 * k * k).exp(), 0.0);
     let turn = Complex::new(0.0, 0.5 * k);

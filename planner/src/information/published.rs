@@ -136,6 +136,62 @@ fn requirements_are_met_or_not_by_all_targets_together() {
 }
 
 #[test]
+fn a_miss_is_for_geometry_noise_or_budget() {
+    // 30 days teach the gain to 0.011 %; Jupiter is not polarised.
+    let requirement = |quantity: &str, sigma: &str| {
+        format!(
+            "[[calibration.requirement]]\nquantity = \"{quantity}\"\nsigma = \"{sigma}\"\n\
+             telescope = \"H3-402\"\n"
+        )
+    };
+    let text = format!(
+        "base = \"litebird\"\n[span]\nduration_days = 30\n[calibration]\ntargets = [\"jupiter\"]\n\
+         {}{}{}{}",
+        requirement("gain", "100 %"),
+        requirement("gain", "1e-6 %"),
+        requirement("gain", "0.5 %"),
+        requirement("polarisation_angle", "1 deg"),
+    );
+    let mission = Mission::from_toml(&text, "m.toml", std::path::Path::new(""), &[]).unwrap();
+    let world = World::open(mission, None).unwrap();
+    let tables = world.tables(&world.ground_options()).unwrap();
+    let table = tables.parse().unwrap();
+    let looks = looks(&world.mission, Some("HFT"), Some("H3-402")).unwrap();
+    let of = |sessions: Option<Vec<Session>>| {
+        Teaching::of(&world, table, looks.clone(), (None, sessions), &Quietly).unwrap()
+    };
+    let telescope = looks[0].line.telescope.unwrap();
+    let all = of(None);
+    let gain = all.errors(0).of_parameter(Parameter::Gain).unwrap();
+    assert!(gain < 0.005, "{gain}");
+    let whys = |it: &Teaching| -> Vec<Option<Why>> {
+        it.verdicts().into_iter().map(|it| it.unwrap().worst.why).collect()
+    };
+    assert_eq!(whys(&all), [None, Some(Why::Noise), None, Some(Why::Geometry)]);
+    // No session at all: what all passes would give is a question of the budget.
+    let (from, until) = (world.start, world.start);
+    let none = of(Some(vec![Session { target: 0, telescope, from, until }]));
+    let reasons = [Some(Why::Budget), Some(Why::Noise), Some(Why::Budget), Some(Why::Geometry)];
+    assert_eq!(whys(&none), reasons);
+    assert_eq!(none.verdicts()[0].unwrap().missed, [0, 0, 1]);
+}
+
+#[test]
+fn of_each_channel_the_middle_one_is_judged() {
+    // Turns of 6 and -6 deg about y, and of 0.1 deg.
+    let detectors = "telescope.MFT.detector=[\
+        { name = \"west\", quaternion_xyzw = [0.0, -0.052336, 0.0, 0.998630], channel = \"M1-100\" }, \
+        { name = \"middle\", quaternion_xyzw = [0.0, 0.0008727, 0.0, 0.9999996], channel = \"M1-100\" }, \
+        { name = \"east\", quaternion_xyzw = [0.0, 0.052336, 0.0, 0.998630], channel = \"M1-100\" }, \
+        { name = \"other\", quaternion_xyzw = [0.0, 0.0, 0.0, 1.0], channel = \"M2-119\" }]";
+    let change = Override::set(detectors).unwrap();
+    let mission = Mission::load("litebird", &[change]).unwrap();
+    let kept = one_of_each(looks(&mission, Some("MFT"), None).unwrap());
+    let names: Vec<&str> = kept.iter().map(Look::name).collect();
+    assert_eq!(names, ["middle", "other"]);
+}
+
+#[test]
 fn a_map_of_cells_holds_what_annuli_hold() {
     let world = world("litebird", Some("20"), "jupiter");
     let tables = world.tables(&world.ground_options()).unwrap();

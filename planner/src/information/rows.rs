@@ -3,7 +3,8 @@
 //! Method: errors are those with all other parameters free. Rows without a target are of all targets
 //! together: their information adds, each target's gain being known against its own brightness. A
 //! requirement is held against those, in windows of its own length; it is met where every parameter of
-//! its quantity, in every window, has an error and none is larger.
+//! its quantity, in every window, has an error and none is larger. A row that misses it is held against
+//! all passes of its window ([`Why`]).
 
 use super::errors::Errors;
 use super::forecast::{Forecast, Lesson};
@@ -46,9 +47,48 @@ pub struct Row {
     pub requirement: Option<usize>,
     /// The largest error allowed.
     pub limit: Option<f64>,
+    /// Why it is not reached; `None` where it is, or where nothing is required.
+    pub why: Option<Why>,
+}
+
+/// Why an error is larger than allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Why {
+    /// Nothing that passes in the window shows the quantity, or passes alike do not tell it from others.
+    Geometry,
+    /// All passes of the window together are not enough: noise is too large beside the signal.
+    Noise,
+    /// All passes would be enough; the plan's sessions hold too few of them.
+    Budget,
+}
+
+impl Why {
+    /// All, in the order of [`Verdict::missed`].
+    pub const EACH: [Self; 3] = [Self::Geometry, Self::Noise, Self::Budget];
+
+    /// Its word in outputs.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Geometry => "geometry",
+            Self::Noise => "noise",
+            Self::Budget => "budget",
+        }
+    }
 }
 
 impl Row {
+    /// The row with the reason, from the value that all passes of its window give.
+    pub(super) fn explained(self, all: Option<f64>) -> Self {
+        let why = match (self.met(), all) {
+            (None | Some(true), _) => None,
+            (Some(false), None) => Some(Why::Geometry),
+            (Some(false), Some(all)) if Some(all) <= self.limit => Some(Why::Budget),
+            (Some(false), Some(_)) => Some(Why::Noise),
+        };
+        Self { why, ..self }
+    }
+
     /// Whether the requirement is met; `None` where there is none.
     #[must_use]
     pub fn met(&self) -> Option<bool> {
@@ -149,6 +189,7 @@ fn plain(
         window,
         requirement: None,
         limit: None,
+        why: None,
     };
     for parameter in Parameter::EACH {
         rows.push(row(Measure::Parameter(parameter), errors.of_parameter(parameter)));
@@ -176,6 +217,7 @@ fn required(
         window,
         requirement: Some(index),
         limit: Some(it.sigma()),
+        why: None,
     };
     if it.quantity == Quantity::BeamLevel {
         let radius_arcmin = it.radius_arcmin.as_ref().map_or(0.0, Number::to_f64);
@@ -197,6 +239,8 @@ pub struct Verdict {
     pub met: usize,
     /// All rows that it speaks of.
     pub of: usize,
+    /// Rows that miss it, by reason, in the order of [`Why::EACH`].
+    pub missed: [usize; 3],
     /// The row that misses it most, or meets it least.
     pub worst: Row,
 }
@@ -208,16 +252,14 @@ pub fn verdicts(rows: &[Row], requirements: usize) -> Vec<Option<Verdict>> {
     let over = |row: &Row| row.value.unwrap_or(f64::INFINITY) / row.limit.unwrap_or(1.0);
     for row in rows {
         let Some(place) = row.requirement.and_then(|index| found.get_mut(index)) else { continue };
-        let met = usize::from(row.met() == Some(true));
-        match place {
-            None => *place = Some(Verdict { met, of: 1, worst: *row }),
-            Some(verdict) => {
-                verdict.met += met;
-                verdict.of += 1;
-                if over(row) > over(&verdict.worst) {
-                    verdict.worst = *row;
-                }
-            }
+        let verdict = place.get_or_insert(Verdict { met: 0, of: 0, missed: [0; 3], worst: *row });
+        verdict.met += usize::from(row.met() == Some(true));
+        verdict.of += 1;
+        for (missed, why) in verdict.missed.iter_mut().zip(Why::EACH) {
+            *missed += usize::from(row.why == Some(why));
+        }
+        if over(row) > over(&verdict.worst) {
+            verdict.worst = *row;
         }
     }
     found

@@ -1,6 +1,5 @@
 //! A beam's error map, its profile, and what cannot be told apart, as figures; the map as FITS.
 
-use super::answer::Answer;
 use crate::failure::Failure;
 use crate::output::figures::{Figure, write_figures};
 use crate::output::{fill_folder, whole};
@@ -8,14 +7,15 @@ use formats::fits::{Image, Plane, provenance_cards, write_images};
 use mission::number::Number;
 use onboard_core::ephemeris::EphemerisTable;
 use pictures::{
-    Axis, Chart, Drawing, MatrixPicture, PlanePicture, Ring, Scale, Series, Shape, chart,
+    Axis, Chart, Contours, Drawing, MatrixPicture, PlanePicture, Ring, Scale, Series, Shape, chart,
     matrix_picture, plane_picture,
 };
 use planner::information::{
-    ANNULI, BeamMap, COUNT, Lesson, Parameter, REACH, SIDE, beam_map, decibel, gaussian,
+    ANNULI, BeamMap, COUNT, Lesson, Parameter, REACH, SIDE, Teaching, beam_map, decibel, gaussian,
     inner_radius_fwhm,
 };
 use planner::provenance::Provenance;
+use planner::world::World;
 use std::path::Path;
 
 /// Levels that rings and lines mark, in dB.
@@ -23,23 +23,27 @@ const MARKED: [(f64, &str); 3] = [(-3.0, "-3 dB"), (-20.0, "-20 dB"), (-30.0, "-
 
 /// Writes the figures of the only look that was asked for.
 pub(super) fn write(
-    answer: &Answer<'_>,
+    world: &World,
+    teaching: &Teaching,
     table: EphemerisTable<'_>,
     folder: &Path,
 ) -> Result<(), Failure> {
-    let Some(look) = answer.looks.first() else { return Ok(()) };
-    let map = beam_map(answer.world, table, look, answer.sessions)?;
-    let mut lesson = Lesson::default();
-    for window in answer.windows.of_kind(0) {
-        lesson.add(&answer.forecast.together(0, window));
-    }
+    let Some(look) = teaching.looks.first() else { return Ok(()) };
+    let map = beam_map(world, table, look, teaching.sessions.as_deref())?;
+    let lesson = teaching.lesson(0);
     let fwhm_arcmin = look.receiver.fwhm_arcmin.as_ref().map_or(1.0, Number::to_f64);
     let key = look.key();
-    let title = format!("{}: beam of {key}", answer.world.mission.name);
+    let title = format!("{}: beam of {key}", world.mission.name);
     let drawn = [
         ("beam-map", map_picture(&map, fwhm_arcmin, &title)?),
         ("beam-profile", profile_chart(&lesson, fwhm_arcmin, &title)?),
-        ("correlations", correlations(answer, &key)?),
+        (
+            "correlations",
+            correlations(
+                teaching,
+                &format!("{}: correlations of errors of {key}", world.mission.name),
+            )?,
+        ),
     ];
     let stem = key.replace(|c: char| !c.is_ascii_alphanumeric() && !"._+-".contains(c), "-");
     let figures: Vec<Figure> = drawn
@@ -47,7 +51,7 @@ pub(super) fn write(
         .map(|(name, drawing)| Figure { stem: format!("{stem}-{name}"), drawing })
         .collect();
     write_figures([Some(folder), Some(folder)], &figures)?;
-    let bytes = fits(&map, fwhm_arcmin, answer)?;
+    let bytes = fits(&map, fwhm_arcmin, world)?;
     let name = format!("{stem}-beam-map.fits");
     fill_folder(folder, vec![(name.as_str(), whole(&bytes))])
 }
@@ -61,14 +65,16 @@ fn map_picture(map: &BeamMap, fwhm_arcmin: f64, title: &str) -> Result<Drawing, 
         let level = decibel(map.error(column, row));
         if level.is_finite() { level } else { f64::NAN }
     });
-    let finite = || values.iter().copied().filter(|it| it.is_finite());
-    let (low, high) = (finite().fold(0.0, f64::min), finite().fold(-200.0, f64::max));
-    // Contours at a few whole levels.
-    let step = ((high - low) / 5.0).ceil().max(1.0);
-    let levels: Vec<f64> = (1..5_u8)
-        .map(|n| (low / step).floor() * step + step * f64::from(n))
-        .filter(|it| *it < high)
-        .collect();
+    // Contours where the Gaussian beam is 10, 100, ... times its error: whole decades of the ratio.
+    let ratio = cells(|column, row| {
+        let (x, y) = (BeamMap::middle_fwhm(column), BeamMap::middle_fwhm(row));
+        let ratio = (gaussian(x.hypot(y)) / map.error(column, row)).log10();
+        if ratio.is_finite() { ratio } else { f64::NAN }
+    });
+    let most = ratio.iter().copied().filter(|it| it.is_finite()).fold(0.0, f64::max);
+    let levels: Vec<f64> = (0..9_u8).map(f64::from).filter(|it| *it < most).collect();
+    let times: Vec<String> = levels.iter().map(|it| format!("{}", 10_f64.powf(*it))).collect();
+    let meaning = format!("Gaussian beam over its error: {}", times.join(", "));
     let rings: Vec<Ring<'_>> = MARKED
         .iter()
         .map(|(level, name)| Ring { radius: radius_at(*level) * fwhm_arcmin, name })
@@ -82,7 +88,7 @@ fn map_picture(map: &BeamMap, fwhm_arcmin: f64, title: &str) -> Result<Drawing, 
         half: REACH * fwhm_arcmin,
         values: &values,
         side: SIDE,
-        levels: &levels,
+        contours: Some(Contours { values: &ratio, levels: &levels, meaning: &meaning }),
         rings: &rings,
     })?)
 }
@@ -98,8 +104,8 @@ fn profile_chart(lesson: &Lesson, fwhm_arcmin: f64, title: &str) -> Result<Drawi
     for annulus in 0..ANNULI {
         let level = decibel(lesson.profile.error(annulus));
         let level = if level.is_finite() { level } else { f64::NAN };
-        error.push((edge(annulus), level));
-        error.push((edge(annulus + 1), level));
+        let middle = 0.5 * (edge(annulus) + edge(annulus + 1));
+        error.extend([edge(annulus), middle, edge(annulus + 1)].map(|at| (at, level)));
     }
     let reach = edge(ANNULI);
     let beam: Vec<(f64, f64)> = (0..=200_u8)
@@ -109,7 +115,7 @@ fn profile_chart(lesson: &Lesson, fwhm_arcmin: f64, title: &str) -> Result<Drawi
         })
         .collect();
     let least = error.iter().map(|it| it.1).filter(|it| it.is_finite()).fold(-42.0, f64::min);
-    let flat = |level: f64| [(0.0, level), (reach, level)];
+    let flat = |level: f64| beam.iter().map(|it| (it.0, level)).collect::<Vec<_>>();
     let (twenty, thirty) = (flat(-20.0), flat(-30.0));
     Ok(chart(&Chart {
         title,
@@ -138,13 +144,13 @@ fn profile_chart(lesson: &Lesson, fwhm_arcmin: f64, title: &str) -> Result<Drawi
     })?)
 }
 
-fn fits(map: &BeamMap, fwhm_arcmin: f64, answer: &Answer<'_>) -> Result<Vec<u8>, Failure> {
+fn fits(map: &BeamMap, fwhm_arcmin: f64, world: &World) -> Result<Vec<u8>, Failure> {
     let error = cells(|column, row| {
         let error = map.error(column, row);
         if error.is_finite() { error } else { f64::NAN }
     });
     let seconds = cells(|column, row| map.seconds(column, row));
-    let cards = provenance_cards(&Provenance::of(answer.world));
+    let cards = provenance_cards(&Provenance::of(world));
     let plane = Plane { side: SIDE, half: REACH * fwhm_arcmin, unit: "arcmin", cards: &cards };
     let images = [
         Image { name: "ERROR", unit: "", values: &error },
@@ -156,8 +162,8 @@ fn fits(map: &BeamMap, fwhm_arcmin: f64, answer: &Answer<'_>) -> Result<Vec<u8>,
 }
 
 /// The correlations of all errors, and below them what is hard to tell apart.
-fn correlations(answer: &Answer<'_>, key: &str) -> Result<Drawing, Failure> {
-    let errors = answer.errors(0);
+fn correlations(teaching: &Teaching, title: &str) -> Result<Drawing, Failure> {
+    let errors = teaching.errors(0);
     let kept: Vec<usize> = (0..COUNT).filter(|&i| errors.alone[i].is_some()).collect();
     let names: Vec<&str> = kept.iter().map(|&i| Parameter::EACH[i].name()).collect();
     let mut values = Vec::new();
@@ -172,11 +178,5 @@ fn correlations(answer: &Answer<'_>, key: &str) -> Result<Drawing, Failure> {
             format!("{one}, {other} ({:.3}): told apart by {}", it.correlation, it.broken_by())
         })
         .collect();
-    let title = format!("{}: correlations of errors of {key}", answer.world.mission.name);
-    Ok(matrix_picture(&MatrixPicture {
-        title: &title,
-        names: &names,
-        values: &values,
-        notes: &notes,
-    })?)
+    Ok(matrix_picture(&MatrixPicture { title, names: &names, values: &values, notes: &notes })?)
 }

@@ -1,6 +1,7 @@
 //! `gyrfalcon forecast`: what passes teach about detectors, and whether it is enough.
+//!
+//! Exit code 1 where a requirement of the mission is missed.
 
-mod answer;
 mod table;
 mod figures;
 
@@ -10,14 +11,12 @@ use super::told::{print_json, tell, warn};
 use crate::cli::{ForecastArgs, Format, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
-use answer::Answer;
-use formats::forecast::{Told, columns, degeneracies};
-use formats::rows::{self as files, Layout};
-use mission::number::Number;
-use onboard_core::time::{Duration, Instant};
-use planner::information::{
-    InformationError, Question, Session, Windows, forecast, looks, rows, verdicts, windows_of,
+use formats::forecast::{
+    Required, Told, columns, degeneracies, left_out, profile, required, sessions,
 };
+use formats::rows::{self as files, Layout};
+use onboard_core::time::Duration;
+use planner::information::{InformationError, Session, Teaching, looks};
 use planner::progress::Quietly;
 use planner::provenance::Provenance;
 use planner::world::World;
@@ -26,12 +25,12 @@ use std::path::Path;
 
 pub(super) fn run(shared: &SharedArgs, arguments: &ForecastArgs) -> Result<(), Failure> {
     let mut world = world(shared)?;
-    let sessions = arguments
+    let planned_for = arguments
         .plan
         .as_deref()
         .map(|path| planned(path, &mut world, &arguments.target))
         .transpose()?;
-    if sessions.is_none() {
+    if planned_for.is_none() {
         world.keep_targets(&arguments.target)?;
     }
     let sight = &arguments.sight;
@@ -44,35 +43,33 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ForecastArgs) -> Result<(), F
     }
     let tables = world.tables(&world.ground_options())?;
     let table = tables.parse()?;
-    let requirements = &world.mission.calibration.requirements;
     let days = arguments.window.days().map(|days| Duration::from_seconds(86_400.0 * days));
-    let windows = Windows::new((world.start, world.end), &windows_of(days, requirements));
-    let question = Question { looks: &looks, windows: &windows, sessions: sessions.as_deref() };
-    let found = forecast(&world, table, &question, &Quietly)?;
-    let told = rows(&found, &looks, &windows, world.targets.len(), requirements);
-    let answer = Answer {
-        world: &world,
-        looks: &looks,
-        windows: &windows,
-        sessions: sessions.as_deref(),
-        forecast: found,
-        rows: told,
-    };
-    warn(shared, &table::left_out(&answer));
+    let teaching = Teaching::of(&world, table, looks, (days, planned_for), &Quietly)?;
+    warn(shared, &left_out(&world, &teaching));
     if let Some(folder) = &arguments.figure {
-        figures::write(&answer, table, folder)?;
+        figures::write(&world, &teaching, table, folder)?;
     }
     let provenance = Provenance::of(&world);
     if let Some(path) = &shared.out {
-        let rows = answer.rows.iter().map(|row| Ok::<_, Failure>(Told::new(&world, &looks, row)));
+        let rows = teaching.rows.iter();
+        let rows = rows.map(|row| Ok::<_, Failure>(Told::new(&world, &teaching.looks, row)));
         let format = format(shared, path).of_rows()?;
         let layout = Layout { format, provenance: &provenance, columns: &columns() };
         Sink::at(path).write_with(|out| files::write(out, rows, &layout))?;
     }
+    let required = required(&world, &teaching);
     if shared.json {
-        return print_json(&summary(&answer, &provenance)?);
+        print_json(&summary(&world, &teaching, &required, &provenance)?)?;
+    } else {
+        tell(shared, &table::text(&world, &teaching, &required))?;
     }
-    tell(shared, &table::text(&answer))
+    let missed: Vec<String> =
+        required.iter().filter(|it| it.is_missed()).map(Required::name).collect();
+    if missed.is_empty() {
+        return Ok(());
+    }
+    let name = &world.mission.name;
+    Err(Failure::Check(format!("{name}: requirements are missed: {}", missed.join("; "))))
 }
 
 /// The form of rows: what is asked, or what the file's name ends with.
@@ -89,49 +86,30 @@ fn format(shared: &SharedArgs, path: &Path) -> Format {
 fn planned(path: &Path, world: &mut World, targets: &[String]) -> Result<Vec<Session>, Failure> {
     let earlier = Earlier::read(path, world)?;
     world.keep_targets(targets)?;
-    let named = |name: &str| world.targets.iter().position(|it| it.name() == name);
-    let carried = |name: &str| world.mission.telescopes.iter().position(|it| it.name == name);
-    let mut sessions = Vec::new();
-    for it in &earlier.timeline.sessions {
-        let (Some(target), Some(telescope)) = (named(&it.target), carried(&it.telescope)) else {
-            continue;
-        };
-        let from = Instant::from_tai_ns(it.start_tai_ns);
-        let until = Instant::from_tai_ns(it.end_tai_ns);
-        sessions.push(Session { target, telescope, from, until });
-    }
-    Ok(sessions)
+    Ok(sessions(world, &earlier.timeline))
 }
 
-fn summary(answer: &Answer<'_>, provenance: &Provenance) -> Result<Value, Failure> {
+fn summary(
+    world: &World,
+    teaching: &Teaching,
+    required: &[Required],
+    provenance: &Provenance,
+) -> Result<Value, Failure> {
+    let looks = &teaching.looks;
     let rows: Vec<Value> =
-        answer.rows.iter().map(|row| Told::new(answer.world, answer.looks, row).json()).collect();
+        teaching.rows.iter().map(|row| Told::new(world, looks, row).json()).collect();
     let mut apart = Vec::new();
-    for (look, of) in answer.looks.iter().enumerate() {
-        apart.extend(degeneracies(of, &answer.errors(look)));
+    let mut profiles = Vec::new();
+    for (look, of) in looks.iter().enumerate() {
+        apart.extend(degeneracies(of, &teaching.errors(look)));
+        profiles.push(profile(of, &teaching.lesson(look)));
     }
-    let requirements = &answer.world.mission.calibration.requirements;
-    let verdicts: Vec<Value> = verdicts(&answer.rows, requirements.len())
-        .iter()
-        .zip(requirements)
-        .map(|(verdict, it)| {
-            json!({
-                "quantity": it.quantity.key(),
-                "sigma": it.sigma_text,
-                "telescope": it.telescope,
-                "every_days": it.every_days.as_ref().map(Number::to_f64),
-                "met": verdict.is_some_and(|it| it.met == it.of),
-                "rows": verdict.map(|it| it.of),
-                "rows_met": verdict.map(|it| it.met),
-                "worst": verdict.map(|it| Told::new(answer.world, answer.looks, &it.worst).json()),
-            })
-        })
-        .collect();
     Ok(json!({
         "rows": rows,
         "degeneracies": apart,
-        "requirements": verdicts,
-        "left_out": table::left_out(answer),
+        "profiles": profiles,
+        "requirements": required.iter().map(Required::json).collect::<Vec<_>>(),
+        "left_out": left_out(world, teaching),
         "provenance": serde_json::to_value(provenance).map_err(Failure::internal)?,
     }))
 }

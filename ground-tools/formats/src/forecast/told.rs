@@ -1,4 +1,4 @@
-//! What is told of a forecast: rows of errors, what cannot be told apart, whether requirements are met.
+//! Rows of errors, and what cannot be told apart.
 //!
 //! Units are those of the row: %, arcsec, ms, deg, arcmin, dB. A row without a value is of something that is
 //! not measured; `requirement` is in the row's unit too.
@@ -7,7 +7,7 @@ use crate::rows::Column;
 use crate::rows::Field::{MaybeTruth, Number, Utc, Word};
 use ephem::time::format_utc;
 use onboard_core::time::Instant;
-use planner::information::{Errors, Look, Row};
+use planner::information::{ANNULI, Errors, Lesson, Look, Row, decibel, inner_radius_fwhm};
 use planner::world::World;
 use serde_json::{Value, json};
 
@@ -35,6 +35,8 @@ pub struct Told {
     pub requirement: Option<f64>,
     /// Whether it is met.
     pub met: Option<bool>,
+    /// Why it is not: `geometry`, `noise` or `budget`.
+    pub why: Option<&'static str>,
 }
 
 impl Told {
@@ -53,6 +55,7 @@ impl Told {
             window: row.window,
             requirement: row.limit.map(|limit| row.told(limit).1),
             met: row.met(),
+            why: row.why.map(planner::information::Why::word),
         }
     }
 
@@ -70,13 +73,14 @@ impl Told {
             "until_utc": format_utc(self.window.1),
             "requirement": self.requirement,
             "met": self.met,
+            "why": self.why,
         })
     }
 }
 
 /// The columns of rows.
 #[must_use]
-pub fn columns() -> [Column<Told>; 10] {
+pub fn columns() -> [Column<Told>; 11] {
     [
         Column::new("telescope", Word(|it| Some((&it.telescope).into()))),
         Column::new("detector", Word(|it| Some((&it.detector).into()))),
@@ -88,6 +92,7 @@ pub fn columns() -> [Column<Told>; 10] {
         Column::new("until_utc", Utc(|it| it.window.1)),
         Column::new("requirement", Number(|it| it.requirement)),
         Column::new("met", MaybeTruth(|it| it.met)),
+        Column::new("why", Word(|it| it.why.map(Into::into))),
     ]
 }
 
@@ -105,4 +110,21 @@ pub fn degeneracies(look: &Look, errors: &Errors) -> Vec<Value> {
         })
     };
     errors.degeneracies.iter().map(one).collect()
+}
+
+/// How well the response of a beam is known by all targets over the mission: the outer radii of annuli in
+/// arcmin, and the level in dB of its error in a cell of each, null where nothing passed.
+#[must_use]
+pub fn profile(look: &Look, lesson: &Lesson) -> Value {
+    let fwhm_arcmin =
+        look.receiver.fwhm_arcmin.as_ref().map_or(0.0, mission::number::Number::to_f64);
+    let level = |annulus: usize| Some(decibel(lesson.profile.error(annulus)));
+    json!({
+        "telescope": look.line.telescope_name,
+        "detector": look.name(),
+        "radius_arcmin":
+            (0..ANNULI).map(|it| inner_radius_fwhm(it + 1) * fwhm_arcmin).collect::<Vec<_>>(),
+        "level_db":
+            (0..ANNULI).map(|it| level(it).filter(|it| it.is_finite())).collect::<Vec<_>>(),
+    })
 }
