@@ -88,12 +88,12 @@ fn rows_have_the_keys_of_the_page_and_requirements_their_verdict() {
 #[test]
 fn a_plans_sessions_teach_less_than_all_passes() {
     let folder = tempfile::tempdir().unwrap();
-    let week = ["--duration", "7d", "--quiet"];
-    let planned = run(folder.path(), &[&["plan", "--out", "plan"][..], &week].concat());
+    let month = ["--duration", "30d", "--quiet"];
+    let planned = run(folder.path(), &[&["plan", "--out", "plan"][..], &month].concat());
     assert!(planned.status.success(), "{}", String::from_utf8_lossy(&planned.stderr));
     let gain = |more: &[&str]| {
         let asked = ["forecast", "--json", "--telescope", "MFT", "--detector", "M1-140"];
-        let found = json(&run(folder.path(), &[&asked[..], &week, more].concat()));
+        let found = json(&run(folder.path(), &[&asked[..], &month, more].concat()));
         let rows = found["rows"].as_array().unwrap().clone();
         let gain =
             rows.iter().find(|it| it["target"] == "all" && it["quantity"] == "gain").unwrap();
