@@ -91,6 +91,7 @@ fn the_page_holds_the_plan_without_scripts_and_without_a_network() {
     for heading in [
         "Timeline",
         "Sessions",
+        "What the plan teaches",
         "Hours in view",
         "Visits",
         "Sky tracks",

@@ -7,7 +7,7 @@
 //! Modules stand in the order that data flows. A [`mission::Mission`] becomes a [`world::World`]: the
 //! mission among the planets. From it follow [`constraints`], [`visits`] and a [`survey`] with its
 //! [`mapmaking`]; [`opportunities`], which of them the spacecraft would begin ([`onboard`]), what each is
-//! [`worth`], a [`schedule`] by integer
+//! [`worth`] and what they teach ([`information`]), a [`schedule`] by integer
 //! [`program`]ming, and all of these in one call: a [`plan`]. [`resonance`] judges the periods,
 //! [`history_fit`] the attitudes that were flown.
 //!
@@ -39,6 +39,7 @@ pub mod visits;
 pub mod opportunities;
 pub mod onboard;
 pub mod worth;
+pub mod information;
 mod conic;
 pub mod program;
 pub mod schedule;

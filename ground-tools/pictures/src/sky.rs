@@ -94,7 +94,13 @@ pub fn sky_picture(map: &SkyMap, picture: &SkyPicture) -> Result<Drawing, Pictur
     let unobserved = raster.values().any(f64::is_nan);
     let beyond = |side: fn(f64) -> bool| raster.values().any(|value| side(span.place(value)));
     let ends = (beyond(|place| place < -1e-9), beyond(|place| place > 1.0 + 1e-9));
-    y += colour_bar(&mut canvas, picture, span, ends, (width, y, size));
+    let bar = Bar {
+        colours: picture.colours,
+        title: (picture.quantity, picture.unit),
+        span,
+        beyond: ends,
+    };
+    y += colour_bar(&mut canvas, &bar, (width, y, size));
     let grey = hex(UNOBSERVED);
     let mut entries: Vec<(Sample, &str)> = Vec::new();
     for (number, track) in picture.tracks.iter().enumerate().filter(|(number, _)| drawn[*number]) {
@@ -171,12 +177,22 @@ fn draw_tracks(canvas: &mut Canvas, placed: &Placed, tracks: &[Track], unit: f64
     drawn
 }
 
+/// What a colour bar says.
+pub(super) struct Bar<'b> {
+    /// The colours.
+    pub(super) colours: ColourMap,
+    /// What they stand for, and its unit.
+    pub(super) title: (&'b str, &'b str),
+    /// The values at its ends.
+    pub(super) span: Span,
+    /// Whether values lie below and above.
+    pub(super) beyond: (bool, bool),
+}
+
 /// Draws the colour bar with its numbers and title; gives the height that it takes.
-fn colour_bar(
+pub(super) fn colour_bar(
     canvas: &mut Canvas,
-    picture: &SkyPicture,
-    span: Span,
-    (below, above): (bool, bool),
+    &Bar { colours, title: (quantity, unit), span, beyond: (below, above) }: &Bar<'_>,
     (width, y, size): (f64, f64, f64),
 ) -> f64 {
     const STOPS: u32 = 48;
@@ -185,7 +201,7 @@ fn colour_bar(
     let mut stops = String::new();
     for stop in 0..=STOPS {
         let place = f64::from(stop) / f64::from(STOPS);
-        let colour = hex(picture.colours.at(place));
+        let colour = hex(colours.at(place));
         let _ = write!(stops, "<stop offset=\"{place:.4}\" stop-color=\"{colour}\"/>");
     }
     canvas.raw(&format!("<linearGradient id=\"colours\">{stops}</linearGradient>"));
@@ -197,7 +213,7 @@ fn colour_bar(
         if shown {
             let corners = [(edge, y), (edge + tip, y + high / 2.0), (edge, y + high)];
             let data = path(corners);
-            canvas.fill(&data, &hex(picture.colours.at(place)), 1.0);
+            canvas.fill(&data, &hex(colours.at(place)), 1.0);
             canvas.path(&data, frame);
         }
     }
@@ -213,7 +229,7 @@ fn colour_bar(
             canvas.text_if_free(place, baseline, style, &tick.label);
         }
     }
-    let title = titled(picture.quantity, picture.unit, marks.exponent);
+    let title = titled(quantity, unit, marks.exponent);
     canvas.text(width / 2.0, bottom + 2.5 * size, Text::new(size, Anchor::Middle), &title);
     high + 3.3 * size
 }

@@ -41,6 +41,8 @@ pub enum Verb {
     Transits(TransitsArgs),
     /// Visits of targets, sky pixels or directions: how often, how long, when again
     Visits(VisitsArgs),
+    /// What passes teach: errors of gain, pointing, beam, time constant, polarisation angle
+    Forecast(ForecastArgs),
     /// Hits and cross-link moments of each pixel of the sky: numbers, maps, pictures
     Survey(SurveyArgs),
     /// Moire resonance of precession, spin and orbit: a bound over the tolerances, pass or fail

@@ -10,6 +10,7 @@ mod constraints;
 mod pointing;
 mod transits;
 mod visits;
+mod forecast;
 mod survey;
 mod resonance;
 mod systematics;
@@ -38,6 +39,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Verb::Pointing(arguments) => pointing::run(shared, arguments),
         Verb::Transits(arguments) => transits::run(shared, arguments),
         Verb::Visits(arguments) => visits::run(shared, arguments),
+        Verb::Forecast(arguments) => forecast::run(shared, arguments),
         Verb::Survey(arguments) => survey::run(shared, arguments),
         Verb::Resonance(arguments) => resonance::run(shared, arguments),
         Verb::Systematics(arguments) => systematics::run(shared, arguments),

@@ -10,6 +10,7 @@ use super::told::warn;
 use crate::cli::{ReportArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::report::{Source, chosen, page};
+use formats::forecast::Taught;
 use formats::timeline::Timeline;
 use planner::plan::{Offered, Session};
 use planner::provenance::Provenance;
@@ -31,12 +32,15 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Fai
     let offered = Offered::find(&world)?;
     let earlier = arguments.against.as_ref().map(|path| Earlier::read(path, &world)).transpose()?;
     let difference = earlier.map(|it| it.difference(&timeline));
+    let table = offered.tables.parse()?;
+    let taught = Taught::of(&world, table, &timeline, &offered.offers.opportunities);
     let source = Source {
         world: &world,
-        table: offered.tables.parse()?,
+        table,
         offers: &offered.offers,
         timeline: &timeline,
         violation: None,
+        taught: &taught,
         difference: difference.as_ref(),
     };
     let taken = chosen(&source)?;

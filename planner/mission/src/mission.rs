@@ -108,7 +108,7 @@ impl Mission {
         let orbit = top.table("orbit", Orbit::read);
         let telescopes = top.tables("telescope", |s| Telescope::read(s, &directory));
         duplicates(&top, "telescope", telescopes.iter().map(|t| t.name.as_str()));
-        let calibration = top.table("calibration", |s| Calibration::read(s, telescopes.len()));
+        let calibration = top.table("calibration", |s| Calibration::read(s, &telescopes));
         let product = top.table("product", |s| Product::read(s, &name));
         let resolved = top.finish().text();
         let faults = findings.into_inner().into_faults();

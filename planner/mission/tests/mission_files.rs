@@ -133,6 +133,20 @@ fn a_mission_file_has_every_key() {
             ),
         }
     );
+    let text = |number: &Option<Number>| number.as_ref().map(|it| it.text().to_owned());
+    let (own, left) = (&hft.detectors[0].receiver, &hft.detectors[1].receiver);
+    assert_eq!(
+        [text(&own.net_uk_rts), text(&left.net_uk_rts)],
+        [Some("80".into()), Some("385.69".into())]
+    );
+    assert_eq!(
+        [text(&own.fwhm_arcmin), text(&left.fwhm_arcmin)],
+        [Some("28.6".into()), Some("17.9".into())]
+    );
+    assert_eq!(text(&own.time_constant_ms), Some("3.5".into()));
+    let level = &mission.calibration.requirements[1];
+    assert!((level.sigma() - 1e-3).abs() < 1e-18);
+    assert!(level.concerns("HFT", None, Some("d1")) && !level.concerns("HFT", None, Some("d2")));
 
     let lft = &mission.telescopes[1];
     assert_eq!(lft.detector_grid_deg.as_ref().unwrap().text(), "2.0");
@@ -589,4 +603,64 @@ fn every_fault_is_reported_in_the_order_of_lines() {
 fn text_that_is_not_toml_names_its_line() {
     assert!(fault("[scan]\nalpha_deg = 45,5\n").starts_with("mission.toml, line 3: not TOML: "));
     assert!(fault("[scan\n").starts_with("mission.toml, line 2: not TOML: "));
+}
+
+#[test]
+fn receivers_have_their_own_sentences() {
+    assert_eq!(
+        set_fault("telescope.HFT.net_uk_rts=0"),
+        "--set: telescope.HFT.net_uk_rts = 0 is out of range: a noise above 0 and at most 1e12 uK sqrt(s) \
+         is needed"
+    );
+    assert_eq!(
+        set_fault("telescope.HFT.ellipticity=0.9"),
+        "--set: telescope.HFT.ellipticity = 0.9 is out of range: a ratio of axes from 1 to 100 is needed"
+    );
+    assert!(
+        set_fault("telescope.HFT.knee_mhz=-1").contains("a frequency from 0 to 1e9 mHz is needed")
+    );
+    assert!(
+        set_fault("telescope.HFT.time_constant_ms=x").contains("a duration above 0 and at most")
+    );
+    let wide = set_fault("telescope.HFT.bandwidth_ghz=900");
+    assert!(wide.contains(
+        "bandwidth_ghz = 900 is out of range: less than twice the frequency, 402.0 GHz,"
+    ));
+    let twice = "[[telescope]]\nname = \"A\"\nfwhm_arcmin = 9\n\
+                 channel = [{ name = \"c\" }, { name = \"c\" }]\n";
+    assert!(fault(twice).contains("telescope.A.channel.1.name = c is there twice"));
+    let stray = "[[telescope]]\nname = \"A\"\nfwhm_arcmin = 9\nchannel = [{ name = \"c\" }]\n\
+                 [[telescope.detector]]\nname = \"d\"\nchannel = \"b\"\n";
+    assert!(
+        fault(stray).contains("telescope.A.detector.d.channel = \"b\" is not legal: one of c is")
+    );
+}
+
+#[test]
+fn requirements_have_their_own_sentences() {
+    let of = |keys: &str| fault(&format!("[[calibration.requirement]]\n{keys}\n"));
+    let sigma = "a positive error with its unit (%), such as \"0.2 %\", is needed";
+    assert!(
+        of("sigma = \"1 %\"").contains("requirement.0.quantity is missing: one of gain, offset, ")
+    );
+    for wrong in ["\"0.2\"", "\"-1 %\"", "\"0 %\"", "\"1 ms\"", "3", "\"%\""] {
+        let told = of(&format!("quantity = \"gain\"\nsigma = {wrong}"));
+        assert!(told.contains(&format!("sigma = {wrong} is not legal: {sigma}")), "{told}");
+    }
+    assert!(
+        of("quantity = \"beam_level\"\nsigma = \"-30 dB\"").contains("radius_arcmin is missing")
+    );
+    assert!(of("quantity = \"gain\"\nsigma = \"1 %\"\nradius_arcmin = 3").contains(
+        "radius_arcmin = 3 is not legal: quantity = \"beam_level\", not \"gain\", is needed"
+    ));
+    let stray = of("quantity = \"gain\"\nsigma = \"1 %\"\ntelescope = \"H1-196\"");
+    assert!(
+        stray.contains("telescope = \"H1-196\" is not legal: \"all\", a telescope, a channel"),
+        "{stray}"
+    );
+    assert!(stray.contains("H1-195"));
+    assert!(
+        of("quantity = \"gain\"\nsigma = \"1 %\"\nevery_days = 0")
+            .contains("every_days = 0 is out")
+    );
 }

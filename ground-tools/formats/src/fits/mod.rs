@@ -39,9 +39,11 @@ mod read;
 mod stokes;
 mod table;
 mod write;
+mod image;
 
 pub use card::{Card, CardValue};
 pub use error::{FitsError, FitsFileError};
+pub use image::{Image, Plane, write_images};
 pub use read::{ColumnChoice, Columns, Frames, Map, read_columns, read_map, read_map_from};
 pub use stokes::{StokesMap, read_stokes, read_stokes_from};
 pub use write::{

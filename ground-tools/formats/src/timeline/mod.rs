@@ -27,8 +27,10 @@ mod of_plan;
 mod words;
 mod table;
 mod difference;
+mod idle;
 
 pub use difference::{Difference, Entry, Moved};
+pub use idle::{Idle, idle};
 pub use of_plan::timeline;
 pub use types::{
     Against, Constraint, Loosened, Rejected, Session, SessionTransit, Signal, Timeline,

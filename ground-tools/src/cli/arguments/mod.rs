@@ -10,6 +10,7 @@ mod sight;
 mod instants;
 mod figures;
 mod looking;
+mod forecast;
 mod survey;
 mod resonance;
 mod systematics;
@@ -19,6 +20,7 @@ mod telemetry;
 mod plan;
 
 pub use figures::FigureArgs;
+pub use forecast::{ForecastArgs, Window};
 pub use instants::InstantArgs;
 pub use looking::{MissionsArgs, PointingArgs, TransitsArgs, VisitsArgs};
 pub use onboard::{ClockArgs, SequenceArgs, TableVerb, VectorsArgs};

@@ -20,6 +20,7 @@ use crate::report;
 use contradiction::plan_failure;
 use folder::{is_ours, remove_stale};
 use formats::flown::{FlightError, flown};
+use formats::forecast::Taught;
 use formats::products::Products;
 use formats::resonance::sentence;
 use formats::sequence::number_after_plan;
@@ -32,7 +33,7 @@ use planner::resonance::check::Resonances;
 use planner::schedule::{Stopped, check};
 use planner::world::World;
 use std::path::Path;
-use summary::{summary, told};
+use summary::{Summed, summary, told};
 use wishes::Wishes;
 
 const DEFAULT_FOLDER: &str = "gyrfalcon-plan";
@@ -91,8 +92,10 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     let difference = wishes.difference(&mut timeline);
     let violation =
         check(&plan.offered.problem, &plan.schedule.chosen).err().map(|it| it.to_string());
+    let taught = Taught::of(&world, tables.parse()?, &timeline, opportunities);
     let page = report::page(&report::Source {
         world: &world,
+        taught: &taught,
         table: tables.parse()?,
         offers,
         timeline: &timeline,
@@ -122,17 +125,33 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     if ours {
         remove_stale(&folder, &names)?;
     }
+    let summed = Summed { world: &world, timeline: &timeline, opportunities, taught: &taught };
     if shared.json {
-        print_json(&summary(&world, &timeline, opportunities))?;
+        print_json(&summary(&summed))?;
     } else {
         let resonance = resonance.as_ref();
-        tell(&told(&world, &timeline, opportunities, (&folder, &names), resonance))?;
+        tell(&told(&summed, (&folder, &names), resonance))?;
     }
     if interrupt::interrupted() {
         let folder = folder.display();
         return Err(Failure::Check(format!("interrupted: {folder} has the best schedule so far")));
     }
-    verdict(&world, resonance.as_ref().filter(|_| arguments.strict))
+    if !arguments.strict {
+        return Ok(());
+    }
+    enough(&world, &taught)?;
+    verdict(&world, resonance.as_ref())
+}
+
+/// A failure where a requirement is missed.
+fn enough(world: &World, taught: &Taught) -> Result<(), Failure> {
+    match taught.required.iter().find(|it| it.is_missed()) {
+        Some(it) => {
+            let (mission, name) = (&world.mission.name, it.name());
+            Err(Failure::Check(format!("{mission}: requirement {name}: {}", it.sentence())))
+        }
+        None => Ok(()),
+    }
 }
 
 /// The folder, in which no other plan is written meanwhile.
