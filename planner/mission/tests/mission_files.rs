@@ -134,13 +134,13 @@ fn a_mission_file_has_every_key() {
         }
     );
     let text = |number: &Option<Number>| number.as_ref().map(|it| it.text().to_owned());
-    let (own, left) = (&hft.detectors[0].receiver, &hft.detectors[1].receiver);
+    let (own, other) = (&hft.detectors[0].receiver, &hft.detectors[1].receiver);
     assert_eq!(
-        [text(&own.net_uk_rts), text(&left.net_uk_rts)],
+        [text(&own.net_uk_rts), text(&other.net_uk_rts)],
         [Some("80".into()), Some("385.69".into())]
     );
     assert_eq!(
-        [text(&own.fwhm_arcmin), text(&left.fwhm_arcmin)],
+        [text(&own.fwhm_arcmin), text(&other.fwhm_arcmin)],
         [Some("28.6".into()), Some("17.9".into())]
     );
     assert_eq!(text(&own.time_constant_ms), Some("3.5".into()));

@@ -10,6 +10,7 @@
 use super::signal::SkyField;
 use crate::harmonics::{Alm, Complex64, MAX_DEGREE, Rings, SpinAlm, TransformError, gaussian_beam};
 use crate::survey::MapFrame;
+use onboard_core::direction::Direction;
 use std::f64::consts::PI;
 use thiserror::Error;
 
@@ -185,13 +186,12 @@ impl Dipole {
         let (sin_l, cos_l) = self.longitude_deg.to_radians().sin_cos();
         let (sin_b, cos_b) = self.latitude_deg.to_radians().sin_cos();
         let galactic = [cos_b * cos_l, cos_b * sin_l, sin_b];
-        let to = match frame {
-            MapFrame::Galactic => galactic,
-            MapFrame::Ecliptic => {
-                let back = MapFrame::Galactic.from_ecliptic().inverse();
-                onboard_core::direction::Direction::new(galactic[0], galactic[1], galactic[2])
-                    .map_or(galactic, |warm| back.apply(warm).xyz())
+        let back = MapFrame::Galactic.from_ecliptic().inverse();
+        let to = match Direction::new(galactic[0], galactic[1], galactic[2]) {
+            Some(warm) if frame != MapFrame::Galactic => {
+                frame.from_ecliptic().apply(back.apply(warm)).xyz()
             }
+            _ => galactic,
         };
         to.map(|x| self.amplitude_uk * x)
     }

@@ -20,7 +20,7 @@ mod telemetry;
 mod plan;
 
 pub use figures::FigureArgs;
-pub use forecast::{ForecastArgs, Window};
+pub use forecast::ForecastArgs;
 pub use instants::InstantArgs;
 pub use looking::{MissionsArgs, PointingArgs, TransitsArgs, VisitsArgs};
 pub use onboard::{ClockArgs, SequenceArgs, TableVerb, VectorsArgs};

@@ -61,7 +61,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ForecastArgs) -> Result<(), F
     if shared.json {
         print_json(&summary(&world, &teaching, &required, &provenance)?)?;
     } else {
-        tell(shared, &table::text(&world, &teaching, &required))?;
+        tell(&table::text(&world, &teaching, &required))?;
     }
     let missed: Vec<String> =
         required.iter().filter(|it| it.is_missed()).map(Required::name).collect();

@@ -132,15 +132,21 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
         let resonance = resonance.as_ref();
         tell(&told(&summed, (&folder, &names), resonance))?;
     }
+    finished(&folder)?;
+    if arguments.strict {
+        enough(&world, &taught)?;
+        verdict(&world, resonance.as_ref())?;
+    }
+    Ok(())
+}
+
+/// A failure where the search was interrupted.
+fn finished(folder: &Path) -> Result<(), Failure> {
     if interrupt::interrupted() {
         let folder = folder.display();
         return Err(Failure::Check(format!("interrupted: {folder} has the best schedule so far")));
     }
-    if !arguments.strict {
-        return Ok(());
-    }
-    enough(&world, &taught)?;
-    verdict(&world, resonance.as_ref())
+    Ok(())
 }
 
 /// A failure where a requirement is missed.

@@ -117,7 +117,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SystematicsArgs) -> Result<()
     match (shared.json, rows_to_stdout) {
         (true, _) => print_json(&report.json(&provenance)?),
         (false, true) => Ok(()),
-        (false, false) => tell(shared, &report.text(&setting, nside)),
+        (false, false) => tell(&report.text(&setting, nside)),
     }
 }
 
