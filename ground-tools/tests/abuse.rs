@@ -322,13 +322,19 @@ fn in_metres(line: &str) -> String {
 }
 
 #[test]
-fn periods_that_beat_everywhere_are_not_judged() {
+fn periods_that_beat_everywhere_take_bounded_work() {
     let folder = tempfile::tempdir().unwrap();
-    for (precession, spin) in [("1000", "500"), ("1e7", "1e6")] {
-        let precession = format!("scan.precession_period_min={precession}");
-        let spin = format!("scan.spin_period_min={spin}");
-        let periods = ["--set", precession.as_str(), "--set", spin.as_str()];
-        let told = &["beat at", "pairs of frequencies"];
-        refused(folder.path(), &[&["resonance"][..], &periods].concat(), told);
-    }
+    let periods = |[precession, spin]: [&str; 2]| {
+        let precession = format!("--set=scan.precession_period_min={precession}");
+        [precession, format!("--set=scan.spin_period_min={spin}")]
+    };
+    let [precession, spin] = periods(["1e7", "1e6"]);
+    let told = &["beat at", "pairs of frequencies"];
+    refused(folder.path(), &["resonance", &precession, &spin], told);
+    // Judged, but no other periods are sought.
+    let [precession, spin] = periods(["1000", "500"]);
+    let output =
+        command(folder.path(), &["resonance", "--json", &precession, &spin]).output().unwrap();
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(answer["verdict"].is_string() && answer["recommended"].is_null(), "{answer}");
 }

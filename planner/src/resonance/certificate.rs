@@ -43,6 +43,9 @@ const FLOOR_RANGE: f64 = 0.0025;
 /// Most pairs of frequencies that come close: time and memory grow with them. LiteBIRD has some 4,000.
 pub(super) const MOST_MEETINGS: usize = 300_000;
 
+/// Most of them where periods are recommended, for which some hundred boxes are bounded.
+pub(super) const MOST_RECOMMENDED: usize = 40_000;
+
 /// Why there is no certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum CertificateError {

@@ -25,7 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::certificate::{Certificate, CertificateError, MOST_MEETINGS};
+use super::certificate::{Certificate, CertificateError, MOST_MEETINGS, MOST_RECOMMENDED};
 use super::coefficients::reach;
 use super::crosslink::Crosslink;
 use super::motion::Tolerance;
@@ -203,7 +203,8 @@ impl ResonanceCheck {
         Ok(predictor.certify(motion, tolerance, &demand.orbit, limit)?.passes)
     }
 
-    /// The best of candidate pairs of periods in seconds, unsigned.
+    /// The best of candidate pairs of periods in seconds, unsigned; none where so many frequencies beat that
+    /// it would take minutes.
     ///
     /// # Errors
     /// As [`Self::certify`].
@@ -211,6 +212,10 @@ impl ResonanceCheck {
         &mut self,
         candidates: &[[f64; 2]],
     ) -> Result<Option<Recommendation>, CertificateError> {
+        let width = 2.0 * reach(&self.motion);
+        if self.predictor.meetings(&self.motion, width, MOST_RECOMMENDED) > MOST_RECOMMENDED {
+            return Ok(None);
+        }
         let signs = [self.motion.precession_period_s, self.motion.spin_period_s].map(f64::signum);
         let signed: Vec<[f64; 2]> =
             candidates.iter().map(|&[a, b]| [a * signs[0], b * signs[1]]).collect();
