@@ -25,7 +25,7 @@ use formats::products::Products;
 use formats::resonance::sentence;
 use formats::sequence::number_after_plan;
 use formats::timeline::timeline;
-use formats::uplink::slow_checks;
+use formats::uplink::{long_checks, slow_checks};
 use mission::occasions::Blackouts;
 use never::never;
 use planner::plan::plan;
@@ -84,6 +84,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PlanArgs) -> Result<(), Failu
     }
     let (tables, offers) = (&plan.offered.tables, &plan.offered.offers);
     let opportunities = &offers.opportunities;
+    warn(shared, &long_checks(&world, &uplink));
     warn(shared, never(&plan.schedule.rejected, opportunities.list().len()).as_slice());
     let mut timeline = timeline(&world, &plan, resonance.as_ref())?;
     if plan.schedule.stopped == Stopped::Interrupted {
