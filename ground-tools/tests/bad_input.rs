@@ -124,7 +124,7 @@ fn kernels() {
     refused(folder.path(), &["transits", "--ephemeris", "no.bsp"], &["no.bsp"]);
     refused(
         folder.path(),
-        &["transits", "--start", "2050-01-01T00:00:00 TDB"],
+        &["transits", "--quiet", "--start", "2050-01-01T00:00:00 TDB"],
         &["2050-01-01", "from 2024-01-01", "to 2046-01-01"],
     );
     refused(folder.path(), &["plan", "--duration", "20y"], &["2046"]);

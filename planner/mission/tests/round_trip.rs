@@ -16,7 +16,7 @@ fn decimal(low: i64, high: i64) -> impl Strategy<Value = String> {
 }
 
 fn name() -> impl Strategy<Value = String> {
-    "[A-Za-z0-9_.+][A-Za-z0-9 _.+äΩ-]{0,8}[A-Za-z0-9_.+]"
+    "[A-Za-z0-9_.][A-Za-z0-9 _.+äΩ-]{0,8}[A-Za-z0-9_.+]"
 }
 
 prop_compose! {

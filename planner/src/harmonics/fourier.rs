@@ -7,7 +7,7 @@
 //! instructions are not used, so that a map has the same bits on every machine.
 
 use super::Complex64;
-use super::ring::Circle;
+use super::circle::Circle;
 use rustfft::{Fft, FftPlanner};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

@@ -11,7 +11,7 @@
 //! Limits: first values to 1e-16 times their degree, by repeated squaring; below 1e-77 they carry a
 //! scale.
 
-use super::ring::Circle;
+use super::circle::Circle;
 use super::wigner::{LARGE, Scaled, UNIT};
 
 /// Factors of one step upwards: of the cosine, of the constant, of the degree below.

@@ -7,8 +7,8 @@
 //! Method: the recurrence of [`super::ladder`], compiled for the instruction set that is there; all
 //! operations on all lanes alike, so that results have the same bits on every one.
 
+use super::circle::Circle;
 use super::ladder::{Ladder, number};
-use super::ring::Circle;
 use super::wigner::{LARGE, UNIT};
 use pulp::Arch;
 

@@ -40,6 +40,7 @@ mod ring;
 mod ladder;
 mod lanes;
 mod zonal;
+mod circle;
 mod fourier;
 mod transform;
 #[cfg(test)]

@@ -12,10 +12,11 @@
 
 use super::Complex64;
 use super::alm::Alm;
+use super::circle::Circle;
 use super::fourier::Orders;
 use super::ladder::Ladder;
 use super::lanes::{self, Column, Gathered, OnRings, PAIRS, normalisation};
-use super::ring::{Circle, Rings};
+use super::ring::Rings;
 use super::spin::SpinAlm;
 use rayon::prelude::*;
 use thiserror::Error;

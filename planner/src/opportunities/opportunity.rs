@@ -162,6 +162,27 @@ impl Opportunities {
         &self.list
     }
 
+    /// Keeps those that lie within a span; the passes that are theirs, ascending, which from then on are all
+    /// that there are.
+    pub(super) fn keep_within(&mut self, (from, until): (Instant, Instant)) -> Vec<usize> {
+        self.list.retain(|it| it.first_entry >= from && it.last_exit <= until);
+        let mut kept: Vec<usize> = self
+            .list
+            .iter()
+            .flat_map(|it| self.order[it.members.clone()].iter().copied())
+            .collect();
+        kept.sort_unstable();
+        let mut order = Vec::with_capacity(kept.len());
+        for it in &mut self.list {
+            let first = order.len();
+            let places = self.order[it.members.clone()].iter();
+            order.extend(places.filter_map(|pass| kept.binary_search(pass).ok()));
+            it.members = first..order.len();
+        }
+        self.order = order;
+        kept
+    }
+
     /// Indices of an opportunity's passes in the slice that was grouped, by entry, then detector.
     #[must_use]
     pub fn passes(&self, opportunity: &Opportunity) -> &[usize] {
@@ -275,6 +296,18 @@ mod tests {
             Sessions::ByTurn,
         );
         assert_eq!(found.unwrap().list()[0].number, 0);
+    }
+
+    #[test]
+    fn a_span_keeps_what_lies_within_it() {
+        let times = [(5, 8), (TURN_NS + 1, TURN_NS + 4), (2 * TURN_NS, 2 * TURN_NS + 9), (10, 20)];
+        let passes: Vec<_> =
+            times.iter().enumerate().map(|(detector, &time)| pass(0, 0, detector, time)).collect();
+        let mut found = Opportunities::group(&passes, &scan(0), Sessions::ByTurn).unwrap();
+        let at = Instant::from_tai_ns;
+        assert_eq!(found.keep_within((at(5), at(2 * TURN_NS + 8))), [0, 1, 3]);
+        let seen: Vec<_> = found.list().iter().map(|it| found.passes(it).to_vec()).collect();
+        assert_eq!(seen, [vec![0, 2], vec![1]]);
     }
 
     #[test]

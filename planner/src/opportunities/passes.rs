@@ -56,7 +56,7 @@ pub enum OffersError {
 pub struct Offers {
     /// Its lines of sight.
     pub lines: Vec<SightLine>,
-    /// All transits through them.
+    /// All transits through them; in a window of the mission, those of the opportunities within it.
     pub found: Vec<Found>,
     /// Their opportunities.
     pub opportunities: Opportunities,
@@ -71,7 +71,15 @@ impl Offers {
         let lines = of_plan(&world.mission)?;
         let found = search_in(world, tables.parse()?, &lines, world.reach())?;
         let passes = passes(&found, &lines)?;
-        let opportunities = Opportunities::group(&passes, &world.scan, world.mission.sessions())?;
+        let mut opportunities =
+            Opportunities::group(&passes, &world.scan, world.mission.sessions())?;
+        let span = (world.start, world.end);
+        let found = if world.reach() == span {
+            found
+        } else {
+            let kept = opportunities.keep_within(span);
+            kept.into_iter().map(|pass| found[pass]).collect()
+        };
         Ok(Self { lines, found, opportunities })
     }
 }

@@ -195,7 +195,7 @@ fn what_is_not_taken_is_named() {
     let start = "DTSTART:20320401T063000Z";
     let end = "DTEND:20320401T073000Z";
     for (lines, sentence) in [
-        (&[start, end, "RRULE:FREQ=DAILY"][..], "repeats more than 2"),
+        (&[start, end, "RRULE:FREQ=HOURLY"][..], "repeats more than 2"),
         (&[start, end, "RRULE:FREQ=FORTNIGHTLY;COUNT=2"], "RRULE:FREQ=FORTNIGHTLY;COUNT=2"),
         (&[start, end, "RECURRENCE-ID;RANGE=THISANDFUTURE:20320401T063000Z"], "has RECURRENCE-ID"),
         (&[start, "DURATION:1H"], "1H is not a duration"),
