@@ -5,9 +5,9 @@
 //!
 //! Method: the recurrence of [`super::ladder`] on several places side by side.
 
+use super::circle::Circle;
 use super::ladder::Ladder;
 use super::lanes::{self, Gathered, PAIRS};
-use super::ring::Circle;
 
 /// A colatitude of the northern half, and what stands there and on its mirror image.
 #[derive(Debug, Clone, Copy)]
