@@ -3,7 +3,7 @@
 //! Each line holds a reference state, stepsizes and a table of modified divided differences of the
 //! acceleration, and counts up to its last time.
 //!
-//! Method: [Krogh1974]'s interpolation as NAIF's "SPK Required Reading" lays it down: with
+//! Method: \[Krogh1974\]'s interpolation as NAIF's "SPK Required Reading" lays it down: with
 //! `delta = t - t_ref`, weights W from the stepsizes G, `x = x0 + delta (v0 + delta sum DT W)`.
 //!
 //! Limits: what is summed is checked when the line is read; the numbers themselves cannot be.

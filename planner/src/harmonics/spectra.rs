@@ -4,7 +4,7 @@
 //! them.
 //!
 //! A Gaussian beam multiplies the coefficients of spin s by `exp(-(l (l + 1) - s^2) sigma^2 / 2)`,
-//! `sigma = FWHM / sqrt(8 ln 2)` [Challinor2000].
+//! `sigma = FWHM / sqrt(8 ln 2)` \[Challinor2000\].
 
 use super::alm::Alm;
 use super::spin::SpinAlm;

@@ -5,7 +5,7 @@
 //!
 //! Method: a pass is the straight chord w = b n - s v of [`Crossing`]; it is cut where it crosses lines of
 //! the grid, and each piece gives its length over the speed to the cell that holds its middle
-//! [Siddon1985]. Cells have the size of [`super::Profile`]'s.
+//! \[Siddon1985\]. Cells have the size of [`super::Profile`]'s.
 //!
 //! Limits: as those of a profile; the source is taken as small against a cell.
 

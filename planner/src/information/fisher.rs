@@ -1,7 +1,7 @@
 //! Information as a matrix that adds up.
 //!
 //! `F_ij = sum over passes of (1 / sigma^2) int (ds/dp_i)(ds/dp_j) dt`, symmetric, in the units of
-//! [`Parameter`](super::Parameter). Independent data add, so matrices of passes, sessions, targets and
+//! [`super::Parameter`]. Independent data add, so matrices of passes, sessions, targets and
 //! detectors of one kind do.
 //!
 //! Limits: white noise, and a signal that is linear in its parameters over their errors.

@@ -1,16 +1,20 @@
 //! How strong is a receiver's noise against a source: thermodynamic and antenna temperature, and 1/f.
 //!
 //! Noise of CMB detectors is quoted as a change of the background's temperature. In antenna temperature,
-//! which [`worth::strength`](crate::worth::strength) has sources in, it is less:
+//! which [`worth::strength`](mod@crate::worth::strength) has sources in, it is less:
 //!
-//!     dT_RJ / dT_CMB = x^2 e^x / (e^x - 1)^2,  x = h f / (k T), T = 2.7255 K [Fixsen2009],
+//! ```text
+//! dT_RJ / dT_CMB = x^2 e^x / (e^x - 1)^2,  x = h f / (k T), T = 2.7255 K [Fixsen2009],
+//! ```
 //!
 //! averaged over a band that is flat about its frequency.
 //!
 //! **1/f noise** is white noise times `1 + f_knee / f`. A pass lasts a few times s / v, short beside
 //! `1 / f_knee`; with `e = f_knee 2 pi s / v` the information on the gain is
 //!
-//!     R(e) = (2 / sqrt(pi)) int_0^inf exp(-y^2) y / (y + e) dy
+//! ```text
+//! R(e) = (2 / sqrt(pi)) int_0^inf exp(-y^2) y / (y + e) dy
+//! ```
 //!
 //! of that under white noise, since G's spectrum is a Gaussian of frequency. This share is taken of all
 //! parameters.
@@ -22,7 +26,7 @@
 use std::f64::consts::{FRAC_2_SQRT_PI, TAU};
 use std::sync::LazyLock;
 
-/// Temperature of the background in K [Fixsen2009].
+/// Temperature of the background in K \[Fixsen2009\].
 pub const BACKGROUND_K: f64 = 2.7255;
 /// h / k in K per GHz, exact constants.
 const KELVIN_PER_GHZ: f64 = 6.626_070_15e-34 / 1.380_649e-23 * 1e9;

@@ -9,7 +9,9 @@
 //! derivative is a polynomial in x times G times 1 + f cos(theta), or G times -2 f sin(theta) for the angle
 //! of polarisation. Products are moments
 //!
-//!     J_n(k) = int x^n exp(-x^2 + i k x) dx,  J_0 = sqrt(pi) exp(-k^2 / 4),  2 J_(n+1) = n J_(n-1) + i k J_n,
+//! ```text
+//! J_n(k) = int x^n exp(-x^2 + i k x) dx,  J_0 = sqrt(pi) exp(-k^2 / 4),  2 J_(n+1) = n J_(n-1) + i k J_n,
+//! ```
 //!
 //! k = -rate s / v. The time constant delays the signal, ds/dtau = -ds/dt: it is -v times the offset along
 //! the scan, and -rate / 2 times the angle of polarisation.

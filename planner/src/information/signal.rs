@@ -1,6 +1,6 @@
 //! How strong is a target in a receiver at any time: tables of distances, and what does not change.
 //!
-//! Method: antenna temperatures are those of [`worth::strength`](crate::worth::strength), the distance
+//! Method: antenna temperatures are those of [`worth::strength`](mod@crate::worth::strength), the distance
 //! interpolated by cubics through one value a day, which is exact to 1e-7 for planets
 //! (`distances_between_days_are_the_ephemeris`).
 //!

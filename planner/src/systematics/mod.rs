@@ -61,6 +61,7 @@ pub use realisation::realisation;
 pub use residual::{Coupling, Residual, SystematicsError};
 pub use signal::{Effect, SkyField, Term};
 pub use sky::{
-    DIPOLE_LATITUDE_DEG, DIPOLE_LONGITUDE_DEG, DIPOLE_UK, Dipole, SkyAlms, solar_dipole_uk,
+    AlmTableError, DIPOLE_LATITUDE_DEG, DIPOLE_LONGITUDE_DEG, DIPOLE_UK, Dipole, SkyAlms,
+    solar_dipole_uk,
 };
 pub use study::{Asked, Found, StudyError, StudySky};

@@ -1,7 +1,7 @@
 //! A systematic signal as fields on the sky with spins: what an effect is, apart from any sky.
 //!
 //! `d = sum over terms of 2 Re[f X(p) exp(i (n psi + m phi))]`, psi the crossing angle, phi the plate's
-//! angle, X a field of the sky at the pixel's centre, f a number. In the notation of [Takase2024],
+//! angle, X a field of the sky at the pixel's centre, f a number. In the notation of \[Takase2024\],
 //! `S_nm = f X` and `S_(-n,-m)` its conjugate: a [`Term`] stands for both.
 //!
 //! X is the temperature or the polarisation, `P = Q + iU` of the COSMO sense, differentiated by eth
