@@ -118,7 +118,7 @@ fn a_mission_file_has_every_key() {
     assert!((z + 0.28 * 0.96).abs() < 1e-15);
 
     let Sessions::ByPause { gap, longest, .. } = mission.sessions() else { panic!() };
-    assert_eq!([gap, longest].map(Duration::seconds), [3600.0, 14_400.0]);
+    assert_eq!([gap, longest], [3600.0, 14_400.0].map(Duration::from_seconds));
 
     let text = |number: &Option<Number>| number.as_ref().map(|it| it.text().to_owned());
     let (own, other) = (&hft.detectors[0].receiver, &hft.detectors[1].receiver);
