@@ -123,12 +123,12 @@ interpolation() {
 
 # The attitude of two weeks, in MB.
 fortnight() {
-    run fortnight plan --duration 14d --out "$work/fortnight-plan"
+    run fortnight plan --duration 14d --also aem --out "$work/fortnight-plan"
     over "$(wc -c <"$work/fortnight-plan/attitude.aem")" 1e6
 }
 
 coarser_is_a_quarter() {
-    run coarser plan --duration 14d --out "$work/coarser-plan" --aem-error-arcsec 20
+    run coarser plan --duration 14d --also aem --out "$work/coarser-plan" --aem-error-arcsec 20
     over "$(wc -c <"$work/coarser-plan/attitude.aem")" "$(fortnight)" |
         awk '{ exit !($1 > 0.2e6 && $1 < 0.3e6) }'
 }
@@ -278,7 +278,6 @@ scan_beam() {
     number 'year ' 'scan-beam angle' 1
 }
 
-claim README.md '`attitude.aem` ({} MB)' 2% size attitude.aem 1e6
 claim README.md 'It takes about {} s on two cores' x3 time_of_three_years
 claim README.md '| LiteBIRD | 3.1 to 3.2 | {} | {} | {} |' rounded litebird_hours
 claim README.md '| PICO | 1.8 | {} |' rounded hours total pico "${papers[@]}"

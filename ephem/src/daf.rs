@@ -6,7 +6,7 @@
 //! Method: NAIF's "DAF Required Reading": 1024-byte records, addresses in doubles from 1; a summary
 //! record holds next, previous, count, then summaries of ND = 2 doubles and NI = 6 integers.
 //!
-//! Limits: little-endian files only. A chain is followed at most once around the file.
+//! Limits: integers and doubles are IEEE, of either byte order. A chain is followed at most once around the file.
 
 mod error;
 
@@ -36,9 +36,43 @@ pub(crate) struct Summary {
     pub(crate) end: usize,
 }
 
+/// In which order the bytes of a number stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ByteOrder {
+    Little,
+    Big,
+}
+
+impl ByteOrder {
+    /// That of a file that [`summaries`] has taken.
+    fn of(bytes: &[u8]) -> Self {
+        if bytes.get(88..96) == Some(b"BIG-IEEE") { Self::Big } else { Self::Little }
+    }
+
+    fn f64(self, chunk: [u8; 8]) -> f64 {
+        match self {
+            Self::Little => f64::from_le_bytes(chunk),
+            Self::Big => f64::from_be_bytes(chunk),
+        }
+    }
+
+    fn i32_at(self, bytes: &[u8], offset: usize) -> Option<i32> {
+        let chunk = *bytes.get(offset..)?.first_chunk()?;
+        Some(match self {
+            Self::Little => i32::from_le_bytes(chunk),
+            Self::Big => i32::from_be_bytes(chunk),
+        })
+    }
+
+    fn f64_at(self, bytes: &[u8], offset: usize) -> Option<f64> {
+        bytes.get(offset..)?.first_chunk().map(|chunk| self.f64(*chunk))
+    }
+}
+
 /// The doubles of a file, from its first byte; a rest of less than eight bytes is left out.
 pub(crate) fn doubles(bytes: &[u8]) -> Vec<f64> {
-    bytes.as_chunks::<8>().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect()
+    let order = ByteOrder::of(bytes);
+    bytes.as_chunks::<8>().0.iter().map(|chunk| order.f64(*chunk)).collect()
 }
 
 /// The summaries of an SPK, in the order of the file.
@@ -46,7 +80,8 @@ pub(crate) fn summaries(bytes: &[u8]) -> Result<Vec<Summary>, DafError> {
     let too_short = || DafError::TooShort(bytes.len());
     let head = bytes.get(..RECORD).ok_or_else(too_short)?;
     check_identity(head)?;
-    let integer = |offset: usize| i32_at(head, offset).ok_or_else(too_short);
+    let order = ByteOrder::of(bytes);
+    let integer = |offset: usize| order.i32_at(head, offset).ok_or_else(too_short);
     let (nd, ni) = (integer(8)?, integer(12)?);
     if (nd, ni) != (2, 6) {
         return Err(DafError::SummaryFormat { nd, ni });
@@ -98,8 +133,7 @@ fn check_identity(head: &[u8]) -> Result<(), DafError> {
         other => return Err(DafError::NotDaf(other.to_owned())),
     }
     match text(88..96).as_str() {
-        "LTL-IEEE" => {}
-        "BIG-IEEE" => return Err(DafError::BigEndian),
+        "LTL-IEEE" | "BIG-IEEE" => {}
         other => return Err(DafError::ByteOrder(other.to_owned())),
     }
     let probe = head.get(699..727).unwrap_or_default();
@@ -124,8 +158,9 @@ fn read_record(
     };
     let content = bytes.get(offset..offset + RECORD).ok_or_else(cut)?;
     let records = bytes.len().div_ceil(RECORD);
+    let order = ByteOrder::of(bytes);
     let control = |index: usize, what: &'static str, last: usize| {
-        let found = f64_at(content, index * 8).unwrap_or(f64::NAN);
+        let found = order.f64_at(content, index * 8).unwrap_or(f64::NAN);
         count_from_f64(found).filter(|count| *count <= last).ok_or(DafError::Control {
             what,
             record,
@@ -141,19 +176,19 @@ fn read_record(
     }
     for index in 0..count {
         let number = found.len() + 1;
-        found.push(read_summary(content, 24 + index * SUMMARY, number, bytes.len())?);
+        found.push(read_summary((content, order), 24 + index * SUMMARY, number, bytes.len())?);
     }
     Ok(next)
 }
 
 fn read_summary(
-    content: &[u8],
+    (content, order): (&[u8], ByteOrder),
     offset: usize,
     segment: usize,
     length: usize,
 ) -> Result<Summary, DafError> {
-    let time = |offset| f64_at(content, offset).unwrap_or(f64::NAN);
-    let integer = |index: usize| i32_at(content, offset + 16 + index * 4).unwrap_or(0);
+    let time = |offset| order.f64_at(content, offset).unwrap_or(f64::NAN);
+    let integer = |index: usize| order.i32_at(content, offset + 16 + index * 4).unwrap_or(0);
     let (start_s, end_s) = (time(offset), time(offset + 8));
     // Two hundred thousand years: beyond any ephemeris, within any arithmetic here.
     let plausible = |time: f64| time.is_finite() && time.abs() < 6.4e12;
@@ -188,12 +223,4 @@ fn read_summary(
         first: first - 1,
         end,
     })
-}
-
-fn i32_at(bytes: &[u8], offset: usize) -> Option<i32> {
-    bytes.get(offset..)?.first_chunk().map(|chunk| i32::from_le_bytes(*chunk))
-}
-
-fn f64_at(bytes: &[u8], offset: usize) -> Option<f64> {
-    bytes.get(offset..)?.first_chunk().map(|chunk| f64::from_le_bytes(*chunk))
 }

@@ -2,7 +2,7 @@
 //!
 //! A [`StateSeries`] holds positions and velocities at rising times; between them it interpolates
 //! over a window of states: Lagrange on position and velocity apart, or Hermite on both, whose
-//! derivative is the velocity. OEM files and SPK segments of types 8, 9, 12, 13 are read into it.
+//! derivative is the velocity. OEM files and SPK segments of types 8, 9, 12, 13, 18, 19 are read into it.
 //!
 //! Method: windows as SPICE chooses them: with an even number of states the interval in the middle,
 //! with an odd number the nearest state in the middle, moved inwards at the ends. Neville's scheme,
@@ -12,6 +12,7 @@
 //! Lagrange, jumps by its own error where windows change.
 
 use crate::convert::f64_from_usize;
+use core::ops::Range;
 use nalgebra::Vector3;
 
 /// How a window of states becomes a polynomial.
@@ -34,6 +35,8 @@ pub(crate) struct StateSeries {
     states: Vec<PosVel>,
     method: Method,
     window: usize,
+    /// Windows at the ends are cut, not moved inwards.
+    is_cut: bool,
 }
 
 impl StateSeries {
@@ -48,7 +51,14 @@ impl StateSeries {
     ) -> Option<Self> {
         let window = window.min(states.len());
         let legal = times_s.len() == states.len() && (1..=MAX_WINDOW).contains(&window);
-        legal.then_some(Self { times_s, states, method, window })
+        legal.then_some(Self { times_s, states, method, window, is_cut: false })
+    }
+
+    /// The same, but at the ends windows are cut to the states that are there, as SPICE does in types
+    /// 18 and 19.
+    pub(crate) const fn cut_at_ends(mut self) -> Self {
+        self.is_cut = true;
+        self
     }
 
     /// Times at which the window changes: at states for an even one, half-way for an odd one.
@@ -62,8 +72,12 @@ impl StateSeries {
     /// The state at `at_s`; beyond the ends the outermost window is continued.
     pub(crate) fn at(&self, at_s: f64) -> PosVel {
         let after = self.times_s.partition_point(|time| *time <= at_s);
-        let first = window_start(&self.times_s, after, at_s, self.window);
-        let range = first..first + self.window;
+        let range = if self.is_cut {
+            cut_window(&self.times_s, after, at_s, self.window)
+        } else {
+            let first = window_start(&self.times_s, after, at_s, self.window);
+            first..first + self.window
+        };
         let (Some(times), Some(states)) = (self.times_s.get(range.clone()), self.states.get(range))
         else {
             return (Vector3::repeat(f64::NAN), Vector3::repeat(f64::NAN));
@@ -75,17 +89,31 @@ impl StateSeries {
     }
 }
 
+/// The window around `at_s`, cut at the ends, `after` the number of times at or before it.
+fn cut_window(times_s: &[f64], after: usize, at_s: f64, window: usize) -> Range<usize> {
+    let left = after.saturating_sub(1);
+    let middle = if window.is_multiple_of(2) { left } else { nearest(times_s, left, at_s) };
+    let before = window.div_ceil(2) - 1;
+    let end = middle + window / 2 + 1;
+    middle.saturating_sub(before)..end.min(times_s.len())
+}
+
+/// The index of the time nearest to `at_s`, of `left` and the one after it.
+fn nearest(times_s: &[f64], left: usize, at_s: f64) -> usize {
+    let nearer_right = match (times_s.get(left), times_s.get(left + 1)) {
+        (Some(here), Some(next)) => next - at_s < at_s - here,
+        _ => false,
+    };
+    left + usize::from(nearer_right)
+}
+
 /// First index of the window around `at_s`, `after` the number of times at or before it.
 fn window_start(times_s: &[f64], after: usize, at_s: f64, window: usize) -> usize {
     let left = after.saturating_sub(1);
     if window.is_multiple_of(2) {
         return central_window(times_s.len(), left, window);
     }
-    let nearer_right = match (times_s.get(left), times_s.get(left + 1)) {
-        (Some(here), Some(next)) => next - at_s < at_s - here,
-        _ => false,
-    };
-    let nearest = left + usize::from(nearer_right);
+    let nearest = nearest(times_s, left, at_s);
     nearest.saturating_sub(window / 2).min(times_s.len().saturating_sub(window))
 }
 

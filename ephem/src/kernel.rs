@@ -5,7 +5,8 @@
 //!
 //! Method: segments are chained from the body to the solar system barycentre, each evaluated by
 //! ANISE; DE440 is \[Park2021\]. A file is checked before use: structure, counts, every number, that
-//! the records of the bodies meet, and that each body is about as far away as it should be.
+//! the records of the bodies meet, that each body has a centre that it can have and is about as far
+//! away as it should be.
 //!
 //! Limits: bodies 4 to 8 are system barycentres. Low bits of a coefficient may be wrong unseen: up
 //! to 1e-10 of the distance (`tests/bad_kernel.rs`); the SHA-256 tells. Segments of one body are
@@ -49,13 +50,13 @@ use std::path::Path;
 
 const EMBEDDED: &[u8] = include_bytes!("../data/de440-2024-2046.bsp");
 const EMBEDDED_NAME: &str = "de440-2024-2046.bsp";
-const EMBEDDED_SHA256: &str = "55344eee2f4d668f173f56093833005963d9433410eb99bee3150079d2c5357a";
+const EMBEDDED_SHA256: &str = "e60c55e845569ad8c696009f6b22f8eb08a0c73ddbb31d29d3fd773952e024a3";
 
 /// Bodies whose records must meet for a loaded kernel to be used.
 const CHECKED_BODIES: [i32; 11] = [1, 2, 3, 4, 5, 6, 7, 8, SUN, MOON, EARTH];
 /// Body, centre, and the range of their distance in km: a few per cent beyond perihelion and
 /// aphelion, so that a body under a wrong number or centre shows.
-const DISTANCES_KM: [(i32, i32, f64, f64); 11] = [
+const DISTANCES_KM: [(i32, i32, f64, f64); 12] = [
     (1, SUN, 4.4e7, 7.2e7),
     (2, SUN, 1.05e8, 1.12e8),
     (EARTH_MOON_BARYCENTER, SUN, 1.43e8, 1.57e8),
@@ -64,9 +65,27 @@ const DISTANCES_KM: [(i32, i32, f64, f64); 11] = [
     (6, SUN, 1.3e9, 1.56e9),
     (7, SUN, 2.65e9, 3.1e9),
     (8, SUN, 4.35e9, 4.65e9),
+    (9, SUN, 4.2e9, 7.6e9),
     (SUN, SOLAR_SYSTEM_BARYCENTER, 0.0, 2.5e6),
     (MOON, EARTH, 3.4e5, 4.2e5),
     (EARTH, EARTH_MOON_BARYCENTER, 4.1e3, 5.1e3),
+];
+/// Bodies whose segments have a centre that is one of these, in every ephemeris that is in use.
+const CENTERS: [(i32, &[i32]); 14] = [
+    (1, &[0, SUN]),
+    (2, &[0, SUN]),
+    (EARTH_MOON_BARYCENTER, &[0, SUN]),
+    (4, &[0, SUN]),
+    (5, &[0, SUN]),
+    (6, &[0, SUN]),
+    (7, &[0, SUN]),
+    (8, &[0, SUN]),
+    (9, &[0, SUN]),
+    (SUN, &[0]),
+    (199, &[1, 0, SUN]),
+    (299, &[2, 0, SUN]),
+    (MOON, &[EARTH_MOON_BARYCENTER, EARTH, 0, SUN]),
+    (EARTH, &[EARTH_MOON_BARYCENTER, MOON, 0, SUN]),
 ];
 /// Coverage is stated this much narrower, for the rounding of TDB seconds.
 const EDGE: Duration = Duration::from_ns(1_000);
@@ -108,7 +127,7 @@ impl Kernel {
     /// The kernel in an SPK file.
     ///
     /// # Errors
-    /// [`KernelError`]: unreadable, not an SPK, big-endian, truncated, damaged, or without the Sun
+    /// [`KernelError`]: unreadable, not an SPK, truncated, damaged, or without the Sun
     /// or the Earth-Moon barycentre.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, KernelError> {
         let path = path.as_ref();
@@ -130,6 +149,12 @@ impl Kernel {
                 return Err(KernelError::MissingBody { name: name.to_owned(), body, holds });
             }
         }
+        for (body, legal) in CENTERS {
+            if let Some(found) = spk.centers(body).find(|it| !legal.contains(it)) {
+                let name = name.to_owned();
+                return Err(KernelError::Center { name, body, found, legal });
+            }
+        }
         spk.check_joints(&CHECKED_BODIES).map_err(refuse)?;
         let kernel = Self { name: name.to_owned(), sha256: sha256_hex(bytes), spk };
         kernel.check_distances()?;
@@ -147,8 +172,18 @@ impl Kernel {
                 continue;
             }
             let name = || self.name.clone();
-            let chain = KernelError::State { name: name(), fault: StateError::Chain { body } };
-            let (start, end) = self.coverage(body).ok_or(chain)?;
+            let known = |body| {
+                let chain = KernelError::State { name: name(), fault: StateError::Chain { body } };
+                self.coverage(body).ok_or(chain)
+            };
+            // Each body is asked only where both are known.
+            let (start, end) = known(body)?;
+            let barycenter = center == SOLAR_SYSTEM_BARYCENTER;
+            let (from, until) = if barycenter { (start, end) } else { known(center)? };
+            let (start, end) = (start.max(from), end.min(until));
+            if start > end {
+                continue;
+            }
             let middle = start.plus(Duration::from_ns(end.since(start).ns() / 2));
             for at in [start, middle, end] {
                 let offset = state(body, at)?.position_km - state(center, at)?.position_km;

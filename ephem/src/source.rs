@@ -130,6 +130,21 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     bodies.chain(CALIBRATORS.iter().map(|(name, ..)| *name))
 }
 
+/// A source's name as pictures and texts have it: built-in ones with capitals, `Tau A`; others as they
+/// are.
+#[must_use]
+pub fn title(name: &str) -> String {
+    if !names().any(|known| known == name) {
+        return name.to_owned();
+    }
+    let capital = |word: &str| {
+        let mut letters = word.chars();
+        let first = letters.next().map(|it| it.to_ascii_uppercase());
+        first.into_iter().chain(letters).collect::<String>()
+    };
+    name.split('_').map(capital).collect::<Vec<_>>().join(" ")
+}
+
 impl Source {
     /// A built-in source: a planet, `moon`, `earth`, `sun`, `tau_a`, `cas_a`, `cen_a`.
     ///

@@ -4,13 +4,16 @@
 //! at TDB seconds since J2000. Of segments that overlap, the last in the file counts.
 //!
 //! Method: Chebyshev segments (types 2 and 3) are evaluated by ANISE; discrete states (types 8, 9,
-//! 12, 13) by the interpolation that OEM files share. NAIF's "SPK Required Reading".
+//! 12, 13, 18, 19) by the interpolation that OEM files share; modified differences (types 1 and 21)
+//! here. NAIF's "SPK Required Reading".
 //!
 //! Limits: frame J2000 (number 1) only. Everything that is indexed is checked on loading: counts,
 //! record times, finite and plausible numbers. A changed coefficient that keeps its size is caught
 //! where neighbouring Chebyshev records no longer meet (`Spk::check_joints`).
 
 mod error;
+mod difference;
+mod packets;
 mod segment;
 
 pub use error::{LegalNumber, SpkError};
@@ -107,6 +110,8 @@ impl Spk {
         let evaluated = match &segment.content {
             Content::Unsupported(why) => return Err(*why),
             Content::Discrete(series) => return Ok(series.at(tdb_s)),
+            Content::Differences(lines) => return Ok(lines.at(tdb_s)),
+            Content::Pieces(pieces) => return Ok(pieces.at(tdb_s)),
             Content::Chebyshev => Type2ChebyshevSet::from_f64_slice(numbers)
                 .ok()
                 .and_then(|set| set.evaluate(tdb_s, &record).ok()),
@@ -129,6 +134,12 @@ impl Spk {
         span
     }
 
+    /// The centres of a body's segments.
+    pub(crate) fn centers(&self, body: i32) -> impl Iterator<Item = i32> {
+        let indices = self.bodies.get(&body).map(Vec::as_slice).unwrap_or_default();
+        indices.iter().filter_map(|index| self.segments.get(*index)).map(|it| it.summary.center)
+    }
+
     /// Starts and ends of a body's segments in TDB seconds, sorted.
     pub(crate) fn segment_edges(&self, body: i32) -> Vec<f64> {
         let indices = self.bodies.get(&body).map(Vec::as_slice).unwrap_or_default();
@@ -146,8 +157,11 @@ impl Spk {
         let indices = self.bodies.get(&body).map(Vec::as_slice).unwrap_or_default();
         let mut times = Vec::new();
         for segment in indices.iter().filter_map(|index| self.segments.get(*index)) {
-            if let Content::Discrete(series) = &segment.content {
-                times.extend(series.joints_s());
+            match &segment.content {
+                Content::Discrete(series) => times.extend(series.joints_s()),
+                Content::Differences(lines) => times.extend(lines.ends_s()),
+                Content::Pieces(pieces) => times.extend(pieces.joints_s()),
+                _ => {}
             }
         }
         times

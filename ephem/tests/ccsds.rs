@@ -148,7 +148,7 @@ fn xml_is_refused_with_line_and_value() {
         (
             "2032-092T03:01:09.1856657673",
             "2032-092T03:01",
-            "line 14: epoch: time '2032-092T03:01' is not of the form",
+            "line 14: epoch: time '2032-092T03:01' has no seconds",
         ),
         (
             "2032-092T03:01:09.1856657673",

@@ -34,6 +34,12 @@ fn table(sky: &Sky, name: &str, grid: (f64, f64, i32), digits: usize) -> String 
 }
 
 #[test]
+fn built_in_sources_have_capitals() {
+    let titles = ["jupiter", "tau_a", "orion_a", "moon"].map(ephem::source::title);
+    assert_eq!(titles, ["Jupiter", "Tau A", "orion_a", "Moon"]);
+}
+
+#[test]
 fn every_source_has_its_own_lasting_number() {
     let numbers: Vec<i32> = names().map(|name| Source::by_name(name).unwrap().body()).collect();
     assert_eq!(numbers[..9], [1, 2, 4, 5, 6, 7, 8, 301, 399]);

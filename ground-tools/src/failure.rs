@@ -11,8 +11,9 @@ use formats::timeline::TimelineError;
 use formats::uplink::TooLarge;
 use formats::vectors::VectorsError;
 use mission::fault::MissionError;
-use mission::nearest_first;
 use mission::occasions::OccasionError;
+use mission::{meant, nearest_first};
+use pictures::PictureError;
 use planner::onboard::JudgeError;
 use planner::opportunities::{OffersError, SightError};
 use planner::plan::{Asked, DemandError, PlanError, RevisionError};
@@ -78,6 +79,15 @@ macro_rules! input {
 
 input!(MissionError, OccasionError, FitsFileError, TimelineError, TooLarge);
 
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
+        match error {
+            PictureError::Render(_) => Self::internal(error),
+            _ => Self::input(error),
+        }
+    }
+}
+
 /// Errors that checked input cannot cause.
 macro_rules! internal {
     ($($error:ty),* $(,)?) => {
@@ -123,8 +133,9 @@ fn no_such(option: &str, name: &str, known: &[String]) -> Failure {
     if known.is_empty() {
         return Failure::Input(format!("{option} {name}: the mission lists none"));
     }
+    let meant = meant(name, known).map_or(String::new(), |it| format!("; did you mean {it}?"));
     let known = nearest_first(name, known);
-    Failure::Input(format!("{option} {name} is not in the mission: it has {known}"))
+    Failure::Input(format!("{option} {name} is not in the mission: it has {known}{meant}"))
 }
 
 impl From<WorthError> for Failure {

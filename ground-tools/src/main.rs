@@ -2,6 +2,8 @@
 
 use clap::{ColorChoice, Parser};
 use ground_tools::cli::Cli;
+use ground_tools::message::for_terminal;
+use ground_tools::output::interrupt;
 use ground_tools::verb;
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -18,6 +20,7 @@ fn main() -> ExitCode {
             return ExitCode::from(if usage.use_stderr() { 2 } else { 0 });
         }
     };
+    interrupt::install();
     let color = cli.shared.color;
     std::panic::set_hook(Box::new(move |panic| {
         report(color, &format!("internal error: {panic}\nplease report it with the command"));
@@ -42,5 +45,5 @@ fn report(color: ColorChoice, message: &str) {
         }
     };
     let label = if colored { "\x1b[1;31merror:\x1b[0m" } else { "error:" };
-    eprintln!("{label} {message}");
+    eprintln!("{label} {}", for_terminal(message));
 }

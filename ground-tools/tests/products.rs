@@ -197,7 +197,7 @@ fn verify_finds_the_mission_in_its_own_aem() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("plan");
     let mission = ["--quiet", "--duration", "1d"];
-    let also = ["--also", "aem-xml", "--out", out.to_str().unwrap()];
+    let also = ["--also", "aem,aem-xml", "--out", out.to_str().unwrap()];
     run(&[&["plan"], &mission[..], &also].concat());
     for name in ["attitude.aem", "attitude.xml"] {
         let file = out.join(name);
@@ -286,7 +286,7 @@ fn a_line_of_sight_has_an_aem_of_its_own() {
 fn equal_plans_are_equal_bytes_and_stale_products_vanish() {
     let folder = tempfile::tempdir().unwrap();
     let other = folder.path().join("plan");
-    plan(&other, &["--also", "ck,stk,ppl,aem-xml,parquet"]);
+    plan(&other, &["--also", "ck,stk,ppl,aem,aem-xml,parquet"]);
     let names = |folder: &Path| {
         let mut names: Vec<_> = std::fs::read_dir(folder)
             .unwrap()
@@ -300,9 +300,9 @@ fn equal_plans_are_equal_bytes_and_stale_products_vanish() {
     for name in &all {
         assert_eq!(PLAN.bytes(name), std::fs::read(other.join(name)).unwrap(), "{name}");
     }
-    plan(&other, &["--stamp", "2031-05-06T07:08:09Z", "--also", "stk"]);
+    plan(&other, &["--stamp", "2031-05-06T07:08:09Z", "--also", "stk,aem"]);
     let kept = names(&other);
-    let always = ["attitude.aem", "timeline.csv", "timeline.ics", "timeline.json", "uplink.tbl"];
+    let always = ["timeline.csv", "timeline.ics", "timeline.json", "uplink.tbl"];
     assert!(always.iter().all(|name| kept.iter().any(|it| it == name)), "{kept:?}");
     assert!(kept.iter().any(|it| it == "attitude.a") && !kept.iter().any(|it| it == "frame.tf"));
     let text = |name: &str| std::fs::read_to_string(other.join(name)).unwrap();
@@ -478,7 +478,7 @@ fn what_is_not_legal_is_named() {
         (&["--aem-error-arcsec", "nan"], "is not a number"),
         (&["--stamp", "yesterday"], "--stamp: time 'yesterday'"),
         (&["--stamp", "2031-01-01T00:00:00"], "names no time scale"),
-        (&["--also", "aem,stk"], "possible values: parquet, aem-xml, ppl, stk, ck, all"),
+        (&["--also", "oem,stk"], "possible values: parquet, aem, aem-xml, ppl, stk, ck, all"),
         (&["--naif-id", "7"], "-2000000"),
         (&["--aem-span", "some"], "possible values: sessions, all"),
         (&["--also", "ck", "--set", "calibration.schedule.max_minutes_per_day=1"], "no session"),

@@ -7,7 +7,7 @@
 //! Modules stand in the order that data flows. A [`mission::Mission`] becomes a [`world::World`]: the
 //! mission among the planets. From it follow [`constraints`], [`visits`] and a [`survey`] with its
 //! [`mapmaking`]; [`opportunities`], which of them the spacecraft would begin ([`onboard`]), what each is
-//! [`worth`], a [`schedule`] by integer
+//! [`worth`] and what they teach ([`information`]), a [`schedule`] by integer
 //! [`program`]ming, and all of these in one call: a [`plan`]. [`resonance`] judges the periods,
 //! [`history_fit`] the attitudes that were flown.
 //!
@@ -31,6 +31,7 @@
 pub mod progress;
 pub mod time;
 pub mod healpix;
+pub mod harmonics;
 pub mod world;
 pub mod provenance;
 pub mod constraints;
@@ -38,11 +39,13 @@ pub mod visits;
 pub mod opportunities;
 pub mod onboard;
 pub mod worth;
+pub mod information;
 mod conic;
 pub mod program;
 pub mod schedule;
 pub mod plan;
 pub mod survey;
 pub mod mapmaking;
+pub mod systematics;
 pub mod resonance;
 pub mod history_fit;

@@ -44,6 +44,9 @@ pub struct Provenance {
     pub start_tdb: String,
     /// Zero of the scan clock, ns of TAI since 2000-01-01T12:00:00 TAI.
     pub start_tai_ns: i64,
+    /// First and last instant of a window of the mission, TDB, where only that was looked at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub window_tdb: Option<[String; 2]>,
     /// Program and version.
     pub program: String,
 }
@@ -64,8 +67,10 @@ impl Provenance {
             table_sha256: None,
             files: world.files.clone(),
             last_leap_second: last_leap_second(),
-            start_tdb: format_tdb(world.start),
-            start_tai_ns: world.start.tai_ns(),
+            start_tdb: format_tdb(world.zero()),
+            start_tai_ns: world.zero().tai_ns(),
+            window_tdb: (world.mission_span() != (world.start, world.end))
+                .then(|| [world.start, world.end].map(format_tdb)),
             program: PROGRAM.to_owned(),
         }
     }
@@ -98,6 +103,30 @@ impl Provenance {
         ];
         let lines =
             lines.into_iter().filter_map(|(key, value)| Some((key, value?.as_str().into())));
-        lines.chain(files)
+        let window = self.window_tdb.as_ref().map(|it| ("window_tdb", it.join(" to ").into()));
+        lines.chain(window).chain(files).map(|(key, value)| (key, on_one_line(value)))
+    }
+}
+
+/// A text without characters that end lines or turn their direction: these are escaped.
+fn on_one_line(text: Cow<'_, str>) -> Cow<'_, str> {
+    let is_bad =
+        |c: char| c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    if !text.contains(is_bad) {
+        return text;
+    }
+    let escaped =
+        text.chars().map(|c| if is_bad(c) { c.escape_default().collect() } else { c.to_string() });
+    Cow::from(escaped.collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_with_a_line_end_stays_on_its_line() {
+        assert_eq!(on_one_line("a\nb\u{202e}c".into()), "a\\nb\\u{202e}c");
+        assert!(matches!(on_one_line("plain".into()), Cow::Borrowed(_)));
     }
 }

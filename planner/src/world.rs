@@ -23,22 +23,27 @@
 
 use ephem::apparent::{Corrections, Sky, SkyError};
 use ephem::fit::{FitError, FitOptions, FittedTable, fit};
-use ephem::kernel::{Kernel, KernelError};
+use ephem::kernel::{EARTH_MOON_BARYCENTER, Kernel, KernelError};
 use ephem::source::{Place, Source, SourceError};
 use ephem::time::{TimeError, format_tdb, parse_time};
 use ephem::trajectory::{Trajectory, TrajectoryError};
 use mission::calibration::{CalibrationSource, SourceDirection};
 use mission::digest::sha256_hex;
 use mission::orbit::{Observer, Trajectory as TrajectoryKey};
-use mission::{FilePath, Mission, rounding};
+use mission::sessions::Sessions;
+use mission::{FilePath, Mission, in_any_case, meant, rounding};
 use onboard_core::ephemeris::{BodyTable, EphemerisError, EphemerisTable, SUN};
 use onboard_core::phase::{Phase, Rotor};
 use onboard_core::scan::{ScanError, ScanStrategy};
 use onboard_core::sun::SunModel;
-use onboard_core::time::Instant;
+use onboard_core::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+
+/// Beyond this distance from the Earth a trajectory is warned of.
+const FAR_AU: f64 = 0.1;
+const KM_PER_AU: f64 = 149_597_870.7;
 
 /// A mission with its sky.
 #[derive(Debug)]
@@ -47,9 +52,9 @@ pub struct World {
     pub files: Vec<FileDigest>,
     /// The mission as read.
     pub mission: Mission,
-    /// First instant of the mission.
+    /// First instant of what is looked at: the mission's start, or a window's.
     pub start: Instant,
-    /// Last instant of the mission.
+    /// Last instant of it.
     pub end: Instant,
     /// Its scanning strategy.
     pub scan: ScanStrategy,
@@ -104,8 +109,18 @@ pub enum WorldError {
     /// The onboard table cannot be fitted.
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// A window that is not the mission's.
+    #[error("from {} to {} TDB: a window within the mission is needed, {} to {} TDB", format_tdb(*from), format_tdb(*until), format_tdb(mission.0), format_tdb(mission.1))]
+    Window {
+        /// Its first instant.
+        from: Instant,
+        /// Its last.
+        until: Instant,
+        /// The mission's.
+        mission: (Instant, Instant),
+    },
     /// A target that the mission does not have.
-    #[error("{name} is none of the mission's targets: one of {} is needed", known.join(", "))]
+    #[error("{name} is none of the mission's targets: one of {} is needed{}", known.join(", "), meant(name, known).map_or(String::new(), |it| format!(" (did you mean {it}?)")))]
     NoSuchTarget {
         /// The target.
         name: String,
@@ -205,25 +220,68 @@ impl World {
         Ok(Self { files, mission, start, end, scan, sky, targets, avoided, circular_sun })
     }
 
+    /// Zero of the scan clock: the mission's start.
+    #[must_use]
+    pub const fn zero(&self) -> Instant {
+        self.scan.parameters().start
+    }
+
+    /// First and last instant of the mission.
+    #[must_use]
+    pub const fn mission_span(&self) -> (Instant, Instant) {
+        (self.zero(), self.zero().plus(self.mission.span.duration))
+    }
+
+    /// Looks at a window of the mission alone; its clock goes on as before.
+    ///
+    /// # Errors
+    /// [`WorldError::Window`] for one that is empty or reaches beyond the mission.
+    pub fn keep_window(&mut self, from: Instant, until: Instant) -> Result<(), WorldError> {
+        let mission = self.mission_span();
+        if from < mission.0 || until > mission.1 || from >= until {
+            return Err(WorldError::Window { from, until, mission });
+        }
+        (self.start, self.end) = (from, until);
+        Ok(())
+    }
+
+    /// What must be known to tell the sessions of the window as the whole mission has them: the window, and
+    /// what one session may reach beyond it.
+    #[must_use]
+    pub fn reach(&self) -> (Instant, Instant) {
+        let beyond_ns = match self.mission.sessions() {
+            Sessions::ByTurn => self.mission.scan.precession_period().ns(),
+            Sessions::ByPause { gap, longest, .. } => longest.ns().saturating_add(gap.ns()),
+        };
+        let (first, last) = self.mission_span();
+        let before = Duration::from_ns(beyond_ns.saturating_neg());
+        let after = Duration::from_ns(beyond_ns);
+        (self.start.plus(before).max(first), self.end.plus(after).min(last))
+    }
+
     /// Keeps only the targets named, in the mission's order; none named keeps all.
     ///
     /// # Errors
     /// [`WorldError`] names the target that the mission does not have.
     pub fn keep_targets(&mut self, names: &[String]) -> Result<(), WorldError> {
-        if let Some(name) = names.iter().find(|name| self.target(name).is_none()) {
+        if let Some(name) = names.iter().find(|name| !self.is_target(name)) {
             return Err(WorldError::NoSuchTarget {
                 name: name.clone(),
                 known: self.targets.iter().map(|it| it.name().to_owned()).collect(),
             });
         }
         if !names.is_empty() {
-            self.targets.retain(|source| names.iter().any(|name| name == source.name()));
+            let known: Vec<String> = self.targets.iter().map(|it| it.name().to_owned()).collect();
+            let kept: Vec<&str> =
+                names.iter().filter_map(|name| in_any_case(name, &known)).collect();
+            self.targets.retain(|source| kept.contains(&source.name()));
         }
         Ok(())
     }
 
-    fn target(&self, name: &str) -> Option<&Source> {
-        self.targets.iter().find(|source| source.name() == name)
+    fn is_target(&self, name: &str) -> bool {
+        let known: Vec<&str> = self.targets.iter().map(Source::name).collect();
+        in_any_case(name, &known).is_some()
     }
 
     /// All whose directions go on board: the targets, and what is avoided without being one.
@@ -238,13 +296,34 @@ impl World {
         sources
     }
 
-    /// Fits the table of the Sun, the targets and the bodies to avoid over the mission.
+    /// What should be known of the trajectory: it goes far from the Earth, as one in the wrong unit does.
+    #[must_use]
+    pub fn far_trajectory(&self) -> Option<String> {
+        let TrajectoryKey::File(_) = &self.mission.orbit.trajectory else { return None };
+        let kernel = &self.sky.kernel;
+        let distance_au = |at: Instant| {
+            let there = self.sky.trajectory.state(kernel, at).ok()?.position_km;
+            let earth = kernel.state(EARTH_MOON_BARYCENTER, at).ok()?.position_km;
+            Some(((there - earth).norm() / KM_PER_AU, at))
+        };
+        let middle = self.start.plus(Duration::from_ns(self.end.since(self.start).ns() / 2));
+        let far = [self.start, middle, self.end].into_iter().filter_map(distance_au);
+        let (au, at) = far.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|it| it.0 > FAR_AU)?;
+        Some(format!(
+            "the trajectory {} is {au:.3} au from the Earth at {} TDB (L2 is 0.01 au away): are its \
+             positions in km?",
+            self.sky.trajectory.name(),
+            format_tdb(at)
+        ))
+    }
+
+    /// Fits the table of the Sun, the targets and the bodies to avoid over the mission, or as far as a
+    /// window reaches.
     ///
     /// # Errors
     /// [`WorldError`] where kernel, trajectory or sources do not cover the mission.
     pub fn tables(&self, options: &FitOptions) -> Result<Tables, WorldError> {
-        let span = (self.start, self.end);
-        let fitted = fit(&self.sky, &self.sources(), span, options)?;
+        let fitted = fit(&self.sky, &self.sources(), self.reach(), options)?;
         Ok(Tables { fitted })
     }
 

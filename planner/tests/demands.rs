@@ -267,6 +267,54 @@ fn gaps_may_cost_any_price() {
     }
 }
 
+/// Contacts before, during and after sessions that overlap on two telescopes; reserved time in windows.
+#[test]
+fn memory_and_thermal_windows_agree_with_exhaustive_search() {
+    let mut random = SplitMix64(77);
+    for round in 0..200 {
+        let mut list = Vec::new();
+        for _ in 0..between(&mut random, 6, 11) {
+            let (target, telescope) = (0, index(between(&mut random, 0, 1)));
+            let start = between(&mut random, 15, 1_300);
+            list.push(candidate(target, telescope, start, between(&mut random, 30, 120)));
+        }
+        let mut problem = problem(list, 1);
+        problem.rules.max_per_day = None;
+        problem.rules.max_sessions = None;
+        if round % 3 < 2 {
+            let mut contacts = Vec::new();
+            let mut at_minute = between(&mut random, 0, 60);
+            while at_minute < 1_300 {
+                let until = at_minute + between(&mut random, 5, 90);
+                let bit_s = between(&mut random, 300, 4_000).unsigned_abs();
+                contacts.push(Contact { from: at(at_minute), until: at(until), bit_s });
+                at_minute = until + between(&mut random, 5, 150);
+            }
+            let memory_bit = between(&mut random, 5_000_000, 12_000_000).unsigned_abs();
+            problem.demands.data = Some(Data { rate_bit_s: 1_000, memory_bit, contacts });
+        }
+        if round % 3 > 0 {
+            let most = minutes(between(&mut random, 120, 260));
+            let window = minutes(between(&mut random, 200, 1_500));
+            problem.demands.thermal = Some(Thermal { most, window });
+        }
+        assert!(agrees(&problem, round));
+    }
+}
+
+/// A contact while the second session is set up empties the memory for it.
+#[test]
+fn a_contact_during_the_setup_makes_room() {
+    let mut problem = problem(vec![candidate(0, 0, 100, 100), candidate(0, 0, 215, 100)], 1);
+    problem.demands.data = Some(Data {
+        rate_bit_s: 1_000,
+        memory_bit: 6_500_000,
+        contacts: vec![Contact { from: at(205), until: at(215), bit_s: 10_000 }],
+    });
+    assert_eq!(schedule(&problem).unwrap().chosen, [0, 1]);
+    assert!(agrees(&problem, 0));
+}
+
 #[test]
 fn a_contradiction_is_named_with_the_least_change() {
     // Two sessions a season are asked for; the blackout leaves one.

@@ -481,7 +481,6 @@ fn twenty_days_agree_with_an_independent_solver() {
 }
 
 #[test]
-#[ignore = "minutes: cargo test -p planner --test schedule -- --ignored"]
 fn three_years_reach_the_stated_gap() {
     let problem = mission(1_096, 1, false, default_rules(1_096));
     assert!((60_000..80_000).contains(&problem.candidates.len()));

@@ -67,6 +67,69 @@ fn what_stands_apart_links_the_same_arithmetic() {
     }
 }
 
+/// Crates of which `RustSec` says that they are unmaintained or unsound, in all versions or below one.
+const ADVISED_AGAINST: [(&str, Option<&str>); 30] = [
+    ("adler", None),
+    ("ansi_term", None),
+    ("atty", None),
+    ("backoff", None),
+    ("bincode", None),
+    ("chrono", Some("0.4.20")),
+    ("derivative", None),
+    ("dotenv", None),
+    ("encoding", None),
+    ("failure", None),
+    ("fast-float", None),
+    ("fxhash", None),
+    ("gcc", None),
+    ("instant", None),
+    ("lexical-core", Some("1.0.0")),
+    ("mach", None),
+    ("net2", None),
+    ("number_prefix", None),
+    ("paste", None),
+    ("proc-macro-error", None),
+    ("proc-macro-error2", None),
+    ("quick-xml", Some("0.40.0")),
+    ("rustc-serialize", None),
+    ("safemem", None),
+    ("serde_yaml", None),
+    ("stdweb", None),
+    ("tempdir", None),
+    ("term_size", None),
+    ("users", None),
+    ("yaml-rust", None),
+];
+
+/// A version as numbers.
+fn numbers(version: &str) -> Vec<u64> {
+    version.split('.').map(|part| part.parse().unwrap_or(0)).collect()
+}
+
+#[test]
+fn every_crate_advised_against_has_its_reason() {
+    let deny = read_toml("deny.toml");
+    let reasons: Vec<String> = deny["advisories"]["ignore"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|it| it["reason"].as_str().unwrap().to_owned())
+        .collect();
+    let is_named = |name: &str| {
+        let begins = |reason: &String| {
+            reason.strip_prefix(name).is_some_and(|it| it.starts_with([':', ' ']))
+        };
+        reasons.iter().any(begins)
+    };
+    let ours = versions("Cargo.lock");
+    for (name, fixed) in ADVISED_AGAINST {
+        let found = ours.get(name).map_or(&[][..], Vec::as_slice);
+        let bad = |it: &String| fixed.is_none_or(|fixed| numbers(it) < numbers(fixed));
+        let is_here = found.iter().any(bad);
+        assert_eq!(is_here, is_named(name), "{name} {found:?}");
+    }
+}
+
 /// The compilers that bits and budgets were recorded with are named where the budgets are explained.
 #[test]
 fn the_compilers_of_the_budgets_are_named() {

@@ -15,13 +15,8 @@ pub enum DafError {
     /// A DAF of another kind.
     #[error("is a SPICE file of type '{0}', not an SPK ('DAF/SPK')")]
     NotSpk(String),
-    /// Written on a big-endian machine.
-    #[error(
-        "is big-endian (BIG-IEEE); only little-endian (LTL-IEEE) is read: convert it with NAIF's bingo"
-    )]
-    BigEndian,
     /// No known byte order.
-    #[error("has the unknown byte order '{0}': legal is LTL-IEEE")]
+    #[error("has the unknown byte order '{0}': legal are LTL-IEEE and BIG-IEEE")]
     ByteOrder(String),
     /// Line ends were translated on the way.
     #[error("was damaged by a transfer in text mode: copy it again in binary mode")]

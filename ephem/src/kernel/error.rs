@@ -46,6 +46,21 @@ pub enum KernelError {
         /// Largest.
         farthest_km: f64,
     },
+    /// A body hangs on one that it does not belong to.
+    #[error(
+        "the kernel '{name}' is damaged: it gives {} (NAIF {body}) from {} (NAIF {found}); legal is one of NAIF {}",
+        body_name(*body), body_name(*found), list(legal)
+    )]
+    Center {
+        /// File name.
+        name: String,
+        /// The body.
+        body: i32,
+        /// The centre of one of its segments.
+        found: i32,
+        /// Centres that it can have.
+        legal: &'static [i32],
+    },
     /// The states of a body cannot be had.
     #[error("the kernel '{name}' cannot be used: {fault}")]
     State {
@@ -95,7 +110,7 @@ pub enum StateError {
     },
     /// The segment's type is not read.
     #[error(
-        "{} (NAIF {body}) is stored as SPK type {data_type}: legal are 2, 3, 8, 9, 12, 13",
+        "{} (NAIF {body}) is stored as SPK type {data_type}: legal are 1, 2, 3, 8, 9, 12, 13, 18, 19 and 21; write it again as one of them, with NAIF's mkspk or spkmerge's source",
         body_name(*body)
     )]
     DataType {

@@ -3,7 +3,9 @@
 //! Everything that evaluation indexes or divides by is held against what NAIF's "SPK Required
 //! Reading" lays down for the segment's type.
 
+use super::difference::DifferenceLines;
 use super::error::{LegalNumber, SpkError};
+use super::packets::{Packets, Pieces};
 use crate::convert::{count_from_f64, f64_from_usize};
 use crate::daf::Summary;
 use crate::interpolation::{MAX_WINDOW, Method, PosVel, StateSeries, equal_steps};
@@ -15,6 +17,10 @@ const FRAME_J2000: i32 = 1;
 const LARGEST_KM: f64 = 1e13;
 /// Longest series of a Chebyshev record.
 const MOST_COEFFICIENTS: usize = 100;
+/// Most orders of a difference line.
+const MOST_DIFFERENCES: usize = 25;
+/// Orders of a difference line of type 1.
+const DIMENSION_OF_TYPE_1: usize = 15;
 /// Slack in seconds between a segment's coverage and its records.
 const TIME_SLACK_S: f64 = 1e-3;
 
@@ -31,6 +37,8 @@ pub(super) enum Content {
     Chebyshev,
     ChebyshevWithVelocity,
     Discrete(StateSeries),
+    Differences(DifferenceLines),
+    Pieces(Pieces),
     Unsupported(Unsupported),
 }
 
@@ -60,6 +68,16 @@ impl Reader<'_> {
         match s.data_type {
             2 => self.chebyshev(3).map(|()| Content::Chebyshev),
             3 => self.chebyshev(6).map(|()| Content::ChebyshevWithVelocity),
+            1 => self.differences(1, DIMENSION_OF_TYPE_1).map(Content::Differences),
+            21 => {
+                let dimension = self.footer_count(2, "the dimension of differences")?;
+                self.differences(2, dimension).map(Content::Differences)
+            }
+            18 => {
+                let packets = self.packets(self.numbers)?;
+                Ok(Content::Pieces(Pieces::one(packets)))
+            }
+            19 => self.pieces().map(Content::Pieces),
             8 => self.equal_steps(Method::Lagrange),
             9 => self.unequal_steps(Method::Lagrange),
             12 => self.equal_steps(Method::Hermite),
@@ -215,14 +233,121 @@ impl Reader<'_> {
         let length = count.checked_mul(7).and_then(|n| n.checked_add(directory + 2));
         self.check_length(length)?;
         let times = self.numbers.get(6 * count..7 * count).unwrap_or_default();
+        self.check_rising(times)?;
+        self.series(times.to_vec(), method, window)
+    }
+
+    /// Types 1 and 21: difference lines, their last times, every hundredth of these; then, in type
+    /// 21, the dimension, and in both the count.
+    fn differences(&self, footer: usize, dimension: usize) -> Result<DifferenceLines, SpkError> {
+        let count = self.footer_count(1, "the number of records")?;
+        if count == 0 {
+            return Err(self.bad("the number of records", 0.0, LegalNumber::Such("1 or more")));
+        }
+        if !(1..=MOST_DIFFERENCES).contains(&dimension) {
+            let found = f64_from_usize(dimension);
+            return Err(self.bad(
+                "the dimension of differences",
+                found,
+                LegalNumber::Such("1 to 25"),
+            ));
+        }
+        let line = 4 * dimension + 11;
+        let length = count.checked_mul(line + 1).and_then(|n| n.checked_add(count / 100 + footer));
+        self.check_length(length)?;
+        let (lines, rest) = self.numbers.split_at_checked(count * line).unwrap_or_default();
+        let ends = rest.get(..count).unwrap_or_default();
+        self.check_rising(ends)?;
+        self.check_coverage(f64::NEG_INFINITY, ends.last().copied().unwrap_or(f64::NAN))?;
+        self.check_size(lines)?;
+        DifferenceLines::new(ends.to_vec(), lines.to_vec(), dimension).map_err(|(what, found)| {
+            self.bad(what, found, LegalNumber::Such("as SPICE writes difference lines"))
+        })
+    }
+
+    fn check_rising(&self, times: &[f64]) -> Result<(), SpkError> {
         let rising = |pair: &[f64]| matches!(pair, [a, b] if a < b && b.is_finite());
         if let Some(pair) = times.windows(2).find(|pair| !rising(pair)) {
             let found = pair.last().copied().unwrap_or(f64::NAN);
             return Err(self.bad("a time", found, LegalNumber::Such("later than the one before")));
         }
-        if let Some(first) = times.first().filter(|time| !time.is_finite()) {
-            return Err(self.bad("the first time", *first, LegalNumber::Such("finite")));
+        match times.first().filter(|time| !time.is_finite()) {
+            Some(first) => Err(self.bad("the first time", *first, LegalNumber::Such("finite"))),
+            None => Ok(()),
         }
-        self.series(times.to_vec(), method, window)
+    }
+
+    /// Type 18, and a piece of type 19: packets, times, every hundredth time; then subtype, window,
+    /// count.
+    fn packets(&self, numbers: &[f64]) -> Result<Packets, SpkError> {
+        let part = Reader { numbers, ..*self };
+        let subtype = part.footer_count(3, "the subtype")?;
+        let width = match subtype {
+            0 => 12,
+            1 | 2 => 6,
+            _ => {
+                let found = f64_from_usize(subtype);
+                return Err(self.bad("the subtype", found, LegalNumber::Such("0, 1 or 2")));
+            }
+        };
+        let window = part.footer_count(2, "the window")?;
+        if !(1..=MAX_WINDOW).contains(&window) {
+            let found = f64_from_usize(window);
+            return Err(self.bad("the window", found, LegalNumber::States(MAX_WINDOW)));
+        }
+        let count = part.footer_count(1, "the number of packets")?;
+        if count == 0 {
+            return Err(self.bad("the number of packets", 0.0, LegalNumber::Such("1 or more")));
+        }
+        let length =
+            count.checked_mul(width + 1).and_then(|n| n.checked_add((count - 1) / 100 + 3));
+        part.check_length(length)?;
+        let (packets, rest) = numbers.split_at_checked(count * width).unwrap_or_default();
+        let times = rest.get(..count).unwrap_or_default();
+        part.check_rising(times)?;
+        part.check_size(packets)?;
+        Packets::new(subtype, times, packets, window).ok_or_else(|| {
+            self.bad("the window", f64_from_usize(window), LegalNumber::States(MAX_WINDOW))
+        })
+    }
+
+    /// Type 19: pieces as of type 18, their bounds, every hundredth bound, the first address of each
+    /// piece; then which piece counts at a bound, and the count.
+    fn pieces(&self) -> Result<Pieces, SpkError> {
+        let count = self.footer_count(1, "the number of pieces")?;
+        let later = self.footer_count(2, "the choice at bounds")? == 1;
+        let pointers = self
+            .numbers
+            .len()
+            .checked_sub(count.saturating_add(3))
+            .and_then(|first| self.numbers.get(first..first + count + 1))
+            .filter(|_| count > 0);
+        let Some(pointers) = pointers else {
+            let found = f64_from_usize(count);
+            return Err(self.bad("the number of pieces", found, LegalNumber::Such("1 or more")));
+        };
+        let wrong = |found| self.bad("the address of a piece", found, LegalNumber::Such("rising"));
+        let address = |found: f64| {
+            count_from_f64(found).and_then(|it| it.checked_sub(1)).ok_or_else(|| wrong(found))
+        };
+        let mut pieces = Vec::new();
+        for pair in pointers.windows(2) {
+            let [first, end] = *pair else { continue };
+            let numbers = self.numbers.get(address(first)?..address(end)?);
+            pieces.push(self.packets(numbers.ok_or_else(|| wrong(first))?)?);
+        }
+        let first = address(pointers.last().copied().unwrap_or(f64::NAN))?;
+        let bounds = first.checked_add(count + 1).and_then(|end| self.numbers.get(first..end));
+        let bounds = bounds.unwrap_or_default();
+        self.check_rising(bounds)?;
+        let [from, .., until] = *bounds else {
+            return Err(self.bad(
+                "the number of bounds",
+                0.0,
+                LegalNumber::Such("one more than pieces"),
+            ));
+        };
+        self.check_coverage(from, until)?;
+        Ok(Pieces::new(bounds.to_vec(), pieces, later))
     }
 }

@@ -35,6 +35,9 @@ pub enum TimeError {
         "time '{0}' is not of the form YYYY-MM-DDThh:mm:ss with or without decimals (or YYYY-DDDThh:mm:ss)"
     )]
     Form(String),
+    /// Hours and minutes alone.
+    #[error("time '{0}' has no seconds: hh:mm:ss is needed")]
+    NoSeconds(String),
     /// A field lies outside its range.
     #[error("time '{text}' has {field} {value}: legal is {first} to {last}")]
     Field {
@@ -153,7 +156,7 @@ fn read_civil(text: &str) -> Result<Civil, TimeError> {
     let mut times = time.split(':');
     let hour = check("hour", digits(times.next(), 2).ok_or_else(form)?, 0, 23)?;
     let minute = check("minute", digits(times.next(), 2).ok_or_else(form)?, 0, 59)?;
-    let seconds = times.next().ok_or_else(form)?;
+    let seconds = times.next().ok_or_else(|| TimeError::NoSeconds(text.to_owned()))?;
     if times.next().is_some() {
         return Err(form());
     }
@@ -269,12 +272,12 @@ mod tests {
         assert!(said("2032-12-01T12:00:60Z").contains("second 60: legal is 0 to 59"));
         assert!(said("2032-12-31T23:59:60Z").contains("the last ends 2016-12-31"));
         assert!(said("2016-12-31T23:59:60 TAI").contains("no leap second"));
+        assert!(said("2032-04-01T00:00 TDB").contains("has no seconds: hh:mm:ss"));
         assert!(said("1960-01-01T00:00:00Z").contains("before 1972"));
         assert!(said("0001-01-01T00:00:00 TDB").contains("year 1: legal is 1709 to 2290"));
         for text in [
             "2032-4-1T00:00:00 TDB",
             "2032-04-01 TDB",
-            "2032-04-01T00:00 TDB",
             "2032-04-01T00:00:00. TDB",
             "2032-04-01T00:00:00.00000000o1 TDB",
             "2032-04-01T-1:00:00 TDB",

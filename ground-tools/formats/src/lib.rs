@@ -3,7 +3,7 @@
 //! attitude histories, telemetry.
 //!
 //! Modules stand in the order that data flows: what every file needs ([`degrees`], [`rows`], [`fits`]);
-//! what is told of [`resonance`], [`visits`] and a [`survey`]; a plan's [`timeline`], its [`calendar`],
+//! what is told of [`resonance`], [`visits`], a [`survey`] and a [`forecast`]; a plan's [`timeline`], its [`calendar`],
 //! [`attitude`] and pointing [`periods`], and the [`products`] that its folder holds; what goes on
 //! board ([`uplink`]) and tests it ([`vectors`]); what comes back ([`history`], [`telemetry`]).
 //!
@@ -39,6 +39,7 @@ pub mod maps;
 pub mod resonance;
 pub mod visits;
 pub mod survey;
+pub mod forecast;
 pub mod timeline;
 pub mod calendar;
 pub mod attitude;

@@ -17,7 +17,7 @@
 //! let products = Products { world, sun, timeline, stamp, error_rad, whole, spacecraft };
 //! let mut files = products.fills(&[Also::Stk])?.into_iter();
 //! assert_eq!(files.next().map(|it| it.0), Some("timeline.ics"));
-//! let (name, fill) = files.nth(1).ok_or("no attitude for STK")?;
+//! let (name, fill) = files.next().ok_or("no attitude for STK")?;
 //! let mut bytes = Vec::new();
 //! fill(&mut bytes)?;
 //! assert!(name == "attitude.a" && bytes.starts_with(b"stk.v.11.0"));
@@ -43,14 +43,16 @@ use std::io::Write;
 pub type Fill<'f> = Box<dyn FnOnce(&mut dyn Write) -> Result<(), WriteError> + 'f>;
 
 /// What `plan` always writes: what [`Products`] fills of it comes from here, the rest from elsewhere.
-pub const ALWAYS: [&str; 6] =
-    ["timeline.json", "timeline.csv", "timeline.ics", "attitude.aem", "uplink.tbl", "report.html"];
+pub const ALWAYS: [&str; 5] =
+    ["timeline.json", "timeline.csv", "timeline.ics", "uplink.tbl", "report.html"];
 
 /// A product on request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Also {
     /// timeline.parquet: the timeline as Apache Parquet
     Parquet,
+    /// attitude.aem: the attitude as CCSDS AEM
+    Aem,
     /// attitude.xml: the AEM in XML
     AemXml,
     /// pointing-periods.csv: what is observed when, between sessions too
@@ -63,13 +65,15 @@ pub enum Also {
 
 impl Also {
     /// Every product on request.
-    pub const EACH: [Self; 5] = [Self::Parquet, Self::AemXml, Self::Ppl, Self::Stk, Self::Ck];
+    pub const EACH: [Self; 6] =
+        [Self::Parquet, Self::Aem, Self::AemXml, Self::Ppl, Self::Stk, Self::Ck];
 
     /// Its files.
     #[must_use]
     pub const fn files(self) -> &'static [&'static str] {
         match self {
             Self::Parquet => &["timeline.parquet"],
+            Self::Aem => &["attitude.aem"],
             Self::AemXml => &["attitude.xml"],
             Self::Ppl => &["pointing-periods.csv"],
             Self::Stk => &["attitude.a", "sessions.int"],
@@ -107,20 +111,20 @@ impl Products<'_> {
         let spans = std::rc::Rc::new(self.spans(&attitudes));
         let calendar = calendar::write(self.timeline, self.stamp)?;
         let mut fills: Vec<(&'static str, Fill<'f>)> = Vec::new();
-        let all = spans.clone();
         fills.push(("timeline.ics", Box::new(move |out| Ok(out.write_all(&calendar)?))));
-        fills.push((
-            "attitude.aem",
-            Box::new(move |out| {
-                message(Notation::Kvn, attitudes).write(out, &all, &|at| self.named(at))
-            }),
-        ));
         for product in also {
             let spans = spans.clone();
             match product {
                 Also::Parquet => fills.push((
                     "timeline.parquet",
                     Box::new(|out| self.timeline.write_table(out, Format::Parquet)),
+                )),
+                Also::Aem => fills.push((
+                    "attitude.aem",
+                    Box::new(move |out| {
+                        let message = message(Notation::Kvn, attitudes);
+                        message.write(out, &spans, &|at| self.named(at))
+                    }),
                 )),
                 Also::AemXml => fills.push((
                     "attitude.xml",

@@ -52,12 +52,13 @@ pub fn sentence(checked: &Checked) -> String {
         if checked.certificate.passes { ("pass", "within") } else { ("FAIL", "beyond") };
     let rounded = |seconds: f64| (seconds * 1e6).round() / 1e6;
     let mut text = format!(
-        "{verb}: within {} s and {} s of {} min and {} min sigma_hits / mean stays below {:.5}, \
-         {:.2} % above the floor {:.5}, {sign} the allowed {} %",
+        "{verb}: within {} s and {} s of {} min and {} min sigma_hits / mean of the first {:.0} d stays \
+         below {:.5}, {:.2} % above the floor {:.5}, {sign} the allowed {} %",
         rounded(checked.tolerance.precession_s),
         rounded(checked.tolerance.spin_s),
         minutes(checked.motion.precession_period_s),
         minutes(checked.motion.spin_period_s),
+        checked.motion.duration_s / 86_400.0,
         sigma_bound,
         100.0 * excess,
         sigma_floor,
@@ -71,6 +72,9 @@ pub fn sentence(checked: &Checked) -> String {
 
 /// A resonance in words.
 fn worst_text(worst: &Worst) -> String {
+    if worst.q == 0 {
+        return "what decides is the precession alone, whatever the spin period is".to_owned();
+    }
     let mut text = format!(
         "the worst resonance is {} at {:.4} min, {}",
         fraction(worst),

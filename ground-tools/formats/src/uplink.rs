@@ -33,10 +33,10 @@ use onboard_core::ephemeris::{FIRST_USER_BODY, SUN};
 use onboard_core::time::Instant;
 use onboard_core::uplink::{
     Container, ENTRY_BYTES, HEADER_BYTES, Header, MAX_SEQUENCE_STEP, SectionKind, SequenceError,
-    SessionRecord, SetDigest, TableError, UplinkError, UploadRefusal, checksum, committed_head,
-    entry_to_le_bytes, slot_bytes,
+    SessionRecord, SetDigest, TableError, Tables, UplinkError, UploadRefusal, checksum,
+    committed_head, entry_to_le_bytes, slot_bytes,
 };
-use planner::onboard::{BeyondRecord, TooMany, mission_section, record};
+use planner::onboard::{BeyondRecord, TooMany, longest_checks, mission_section, record};
 use planner::plan::Plan;
 use planner::world::{TableFault, World};
 use thiserror::Error;
@@ -203,6 +203,21 @@ pub fn slow_checks(world: &World) -> Vec<String> {
         })
     });
     telescopes.collect()
+}
+
+/// Telescopes of which a planned session has so many passes that its check takes longer than it is begun
+/// before the session, in words; none where the bytes are no container's.
+#[must_use]
+pub fn long_checks(world: &World, uplink: &[u8]) -> Vec<String> {
+    let Ok(tables) = Tables::load(uplink) else { return Vec::new() };
+    let told = |(telescope, ticks): (u16, i64)| {
+        let name = world.mission.telescopes.get(usize::from(telescope)).map_or("", |it| &it.name);
+        format!(
+            "telescope {name}: the sequencer's check of its longest session takes {ticks} ticks, so \
+             check_ahead must be longer than that, or calibration.session.longest_min shorter"
+        )
+    };
+    longest_checks(&tables).into_iter().map(told).collect()
 }
 
 /// Why a container is refused, in words.

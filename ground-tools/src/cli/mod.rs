@@ -5,10 +5,12 @@ pub(crate) mod quantities;
 mod shared;
 mod arguments;
 mod overrides;
+mod window;
 
 pub use arguments::*;
 pub use overrides::mission;
 pub use shared::{Format, SharedArgs};
+pub use window::{Window, window};
 
 use clap::{Parser, Subcommand};
 use clap_complete::Shell;
@@ -39,10 +41,14 @@ pub enum Verb {
     Transits(TransitsArgs),
     /// Visits of targets, sky pixels or directions: how often, how long, when again
     Visits(VisitsArgs),
+    /// What passes teach: errors of gain, pointing, beam, time constant, polarisation angle
+    Forecast(ForecastArgs),
     /// Hits and cross-link moments of each pixel of the sky: numbers, maps, pictures
     Survey(SurveyArgs),
     /// Moire resonance of precession, spin and orbit: a bound over the tolerances, pass or fail
     Resonance(ResonanceArgs),
+    /// Instrumental systematics through the scan: spectra of what they leave, and the bias on r
+    Systematics(SystematicsArgs),
     /// Test vectors for flight code: attitudes, directions, plate angles, transits
     Vectors(VectorsArgs),
     /// An attitude history against the mission: residuals, fitted periods and phases, outliers

@@ -51,7 +51,7 @@ fn overrides(shared: &SharedArgs) -> Result<Vec<Override>, MissionError> {
     if let Some(start) = &shared.start {
         option("--start", "span.start", start);
     }
-    if let Some(duration) = &shared.duration {
+    if let Some(duration) = shared.duration.as_ref().filter(|_| shared.from.is_none()) {
         let seconds = quantity::seconds(duration).map_err(|error| Fault {
             origin: "--duration".to_owned(),
             line: None,
@@ -117,7 +117,7 @@ mod tests {
         for (arguments, sentence) in [
             (
                 "plan --duration 20",
-                "--duration: 20 has no unit: one of ns, us, ms, s, min, h, d, y is needed",
+                "--duration: 20 has no unit: one of ns, us, ms, s, min, h, d, w, y is needed",
             ),
             (
                 "plan --duration 0d",

@@ -115,6 +115,7 @@ const fn frame_suffix(frame: MapFrame) -> &'static str {
     match frame {
         MapFrame::Ecliptic => "",
         MapFrame::Galactic => ":galactic",
+        MapFrame::Equatorial => ":equatorial",
     }
 }
 
@@ -132,7 +133,7 @@ pub fn direction(text: &str, frame: MapFrame) -> Result<FixedPlace, Failure> {
     let (longitude, latitude) = (longitude.to_radians(), latitude.to_radians());
     let there = match frame {
         MapFrame::Ecliptic => Direction::from_longitude_latitude(longitude, latitude),
-        MapFrame::Galactic => {
+        MapFrame::Galactic | MapFrame::Equatorial => {
             let there = Direction::from_longitude_latitude(longitude, latitude);
             frame.from_ecliptic().inverse().apply(there)
         }

@@ -34,12 +34,18 @@ pub struct SharedArgs {
     /// The spacecraft's trajectory: l2, an SPK or a CCSDS OEM file
     #[arg(long, global = true, value_name = "BSP|OEM")]
     pub trajectory: Option<String>,
-    /// The mission's start with its scale: "2032-04-01T00:00:00 TDB", 2032-04-01T00:00:00Z
+    /// Move the mission and its scan clock: "2032-04-01T00:00:00 TDB", 2032-04-01T00:00:00Z
     #[arg(long, global = true, value_name = "TIME")]
     pub start: Option<String>,
-    /// The mission's length with its unit: 20d, 3.2h, 192.348min, 1.5y (365.25 d each)
+    /// The length of the mission, or from --from on, with its unit: 20d, 3.2h, 192.348min, 1.5y (365.25 d each)
     #[arg(long, global = true, value_name = "SPAN")]
     pub duration: Option<String>,
+    /// Look at the mission from here on: 2033-05-01, "2033-05-01T12:00:00 TDB", or +30d after its start
+    #[arg(long, global = true, value_name = "TIME")]
+    pub from: Option<String>,
+    /// Look at the mission until here: a time, or +30d after --from
+    #[arg(long, global = true, value_name = "TIME", conflicts_with = "duration")]
+    pub until: Option<String>,
     /// Where results go; - is standard output
     #[arg(long, global = true, value_name = "PATH")]
     pub out: Option<PathBuf>,

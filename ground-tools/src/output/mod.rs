@@ -1,18 +1,27 @@
 //! Where results go: whole, or not at all.
 //!
-//! A file is written beside its place and renamed into it; a device or a pipe is written to; a plan's folder gets its files only when
-//! all of them could be written. `-` is standard output; a reader that closes it early is no error.
+//! A file is written beside its place and renamed into it; a device or a pipe is written to; a plan's
+//! folder gets its files only when all of them could be written, and the digests of all of them before
+//! any other, so that a mixture of two plans is known as one. `-` is standard output; a reader that
+//! closes it early is no error.
 
+pub mod unfinished;
+pub mod figures;
 pub mod interrupt;
 pub mod memory;
 pub mod stamp;
+mod place;
 
 use crate::failure::Failure;
 use formats::WriteError;
 use formats::products::Fill;
-use std::io::{BufWriter, ErrorKind, Write};
+pub use place::is_device;
+
+use place::{Written, beside, blame, into_device};
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
+use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// Where one result goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -70,31 +79,6 @@ impl Sink {
     }
 }
 
-/// Whether something stands there that is neither a file nor a folder: a device, a pipe. It is written
-/// to, never replaced.
-fn is_device(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|it| !it.is_file() && !it.is_dir())
-}
-
-fn into_device<T>(
-    path: &Path,
-    fill: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
-) -> Result<T, Failure> {
-    let fail = |error: std::io::Error| Failure::file("write", path, &error);
-    let device = std::fs::OpenOptions::new().write(true).open(path).map_err(fail)?;
-    let mut out = BufWriter::new(device);
-    let value = fill(&mut out).map_err(|error| blame(path, error))?;
-    out.flush().map_err(fail)?;
-    Ok(value)
-}
-
-fn blame(path: &Path, error: WriteError) -> Failure {
-    match error {
-        WriteError::Io(error) => Failure::file("write", path, &error),
-        error => error.into(),
-    }
-}
-
 /// Writes text to standard output; a closed pipe ends quietly.
 ///
 /// # Errors
@@ -122,63 +106,69 @@ pub fn whole(bytes: &[u8]) -> Fill<'_> {
 /// # Errors
 /// [`Failure::Input`] names the path and what the system said, or what a file failed with.
 pub fn fill_folder(folder: &Path, files: Vec<(&str, Fill<'_>)>) -> Result<(), Failure> {
-    let made = !folder.exists();
-    std::fs::create_dir_all(folder).map_err(|error| Failure::file("create", folder, &error))?;
-    let write = |(name, fill): (&str, Fill<'_>)| {
-        beside(&folder.join(name), fill).map(|((), written)| written)
-    };
-    let written: Result<Vec<_>, _> = files.into_iter().map(write).collect();
-    match written {
-        Ok(files) => files.into_iter().try_for_each(Written::place),
-        Err(failure) => {
-            if made {
-                // The folder is empty: what was written in it is already gone.
-                let _ = std::fs::remove_dir(folder);
-            }
-            Err(failure)
+    filled(folder, files)?.into_iter().try_for_each(|(_, written)| written.place())
+}
+
+/// The file of a folder's digests, as `sha256sum --check` takes it.
+pub const DIGESTS: &str = "SHA256SUMS";
+
+/// The same, with [`DIGESTS`] of all of them put in place before any other; the file named first comes
+/// last.
+///
+/// # Errors
+/// As [`fill_folder`].
+pub fn fill_folder_with_digests(
+    folder: &Path,
+    files: Vec<(&str, Fill<'_>)>,
+) -> Result<(), Failure> {
+    let mut written = filled(folder, files)?;
+    let mut digests = String::new();
+    for (name, file) in &written {
+        let fail = |error: std::io::Error| Failure::file("read", &folder.join(name), &error);
+        let digest = digest(file.open().map_err(fail)?).map_err(fail)?;
+        let _ = writeln!(digests, "{digest}  {name}");
+    }
+    let digests = beside(&folder.join(DIGESTS), |out| Ok(out.write_all(digests.as_bytes())?))?;
+    let first = written.len().min(1);
+    written.rotate_left(first);
+    digests.1.place()?;
+    written.into_iter().try_for_each(|(_, written)| written.place())
+}
+
+/// The SHA-256 of what a file holds, in hexadecimal.
+///
+/// # Errors
+/// What the system said.
+pub fn digest(mut file: std::fs::File) -> std::io::Result<String> {
+    let mut digest = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut buffer)? {
+            0 => break,
+            count => digest.update(&buffer[..count]),
         }
     }
+    Ok(digest.finalize().iter().fold(String::new(), |mut hex, byte| {
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    }))
 }
 
-/// A file that is complete but not yet in its place.
-struct Written {
-    file: NamedTempFile,
-    path: PathBuf,
-}
-
-impl Written {
-    fn place(self) -> Result<(), Failure> {
-        let Self { file, path } = self;
-        file.persist(&path).map_err(|error| Failure::file("write", &path, &error.error))?;
-        Ok(())
-    }
-}
-
-/// Fills a file next to `path`; dropped before it is placed, it vanishes.
-fn beside<T>(
-    path: &Path,
-    fill: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
-) -> Result<(T, Written), Failure> {
-    let fail = |error: std::io::Error| Failure::file("write", path, &error);
-    if path.is_dir() {
-        return Err(Failure::Input(format!("cannot write {}: it is a folder", path.display())));
-    }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
+fn filled<'n>(
+    folder: &Path,
+    files: Vec<(&'n str, Fill<'_>)>,
+) -> Result<Vec<(&'n str, Written)>, Failure> {
+    let made = !folder.exists();
+    std::fs::create_dir_all(folder).map_err(|error| Failure::file("create", folder, &error))?;
+    let write = |(name, fill): (&'n str, Fill<'_>)| {
+        beside(&folder.join(name), fill).map(|((), written)| (name, written))
     };
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As a plain file would be; the user's mask still applies.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    let written: Result<Vec<_>, _> = files.into_iter().map(write).collect();
+    if written.is_err() && made {
+        // The folder is empty: what was written in it is already gone.
+        let _ = std::fs::remove_dir(folder);
     }
-    let hidden = builder.prefix(".gyrfalcon-").tempfile_in(folder).map_err(fail)?;
-    let mut out = BufWriter::new(hidden);
-    let value = fill(&mut out).map_err(|error| blame(path, error))?;
-    let hidden = out.into_inner().map_err(|error| fail(error.into_error()))?;
-    Ok((value, Written { file: hidden, path: path.to_owned() }))
+    written
 }
 
 #[cfg(test)]

@@ -3,17 +3,21 @@
 use super::names::{Names, grouped, minute, minute_tdb, real, total};
 use super::source::Source;
 use maud::{Markup, html};
-use onboard_core::time::Instant;
 use serde_json::Value;
 
 /// The mission and its span.
 pub(super) fn title(source: &Source) -> Markup {
     let mission = &source.world.mission;
+    let (start, end) = (source.world.start, source.world.end);
+    let days = if source.world.mission_span() == (start, end) {
+        mission.span.duration_days.text().to_owned()
+    } else {
+        format!("{:.3}", end.since(start).seconds() / 86_400.0)
+    };
     html! {
         h1 { (mission.name) " " span.what { "calibration plan" } }
         p.span {
-            (minute_tdb(Instant::from_tai_ns(source.timeline.provenance.start_tai_ns)))
-            " TDB for " (mission.span.duration_days) " days, "
+            (minute_tdb(source.world.start)) " TDB for " (days) " days, "
             (mission.telescopes.len()) @if mission.telescopes.len() == 1 { " telescope" } @else { " telescopes" }
             ", " (source.world.targets.len()) @if source.world.targets.len() == 1 { " target" } @else { " targets" }
         }
@@ -31,6 +35,7 @@ pub(super) fn section(source: &Source, names: &Names) -> Markup {
     let resonance = resonance(timeline.resonance.as_ref());
     html! {
         section.headline aria-label="Headline" {
+            (alerts(source))
             dl.cards {
                 div {
                     dt { "Sessions" }
@@ -68,6 +73,8 @@ pub(super) fn section(source: &Source, names: &Names) -> Markup {
                     dd { span.sign aria-hidden="true" { (resonance.sign) " " } (resonance.verdict) }
                     dd.note { (resonance.note) }
                 }
+                (required(source))
+                (longest_gap(source))
             }
             p.sure {
                 "The search ended because: " (timeline.stopped) ". "
@@ -75,6 +82,49 @@ pub(super) fn section(source: &Source, names: &Names) -> Markup {
                     "Most time goes to " (target) (format!(": {hours:.2} h. "))
                 }
                 (first_and_last(source))
+            }
+        }
+    }
+}
+
+/// What is wrong, before all else.
+fn alerts(source: &Source) -> Markup {
+    let alerts = source.taught.alerts();
+    html! {
+        @if !alerts.is_empty() {
+            ul.alerts aria-label="Alerts" {
+                @for it in &alerts { li { span.sign aria-hidden="true" { "\u{2717} " } (it) } }
+            }
+        }
+    }
+}
+
+/// How many requirements are met, where there are any.
+fn required(source: &Source) -> Markup {
+    let all = &source.taught.required;
+    let met = all.iter().filter(|it| !it.is_missed()).count();
+    let (class, sign) = if met == all.len() { ("good", "\u{2713}") } else { ("bad", "\u{2717}") };
+    html! {
+        @if !all.is_empty() {
+            div class=(class) {
+                dt { "Requirements" }
+                dd { span.sign aria-hidden="true" { (sign) " " } (met) " of " (all.len()) " met" }
+                dd.note { a href="#teaching" { "which, by how much, and why" } }
+            }
+        }
+    }
+}
+
+/// The longest time that a telescope is without a session.
+fn longest_gap(source: &Source) -> Markup {
+    let idle = &source.taught.idle;
+    let longest = idle.iter().max_by(|a, b| a.days().total_cmp(&b.days()));
+    html! {
+        @if let Some(longest) = longest {
+            div class=(if idle.iter().any(|it| it.sessions == 0) { "bad" } else { "unknown" }) {
+                dt { "Longest gap" }
+                dd { (format!("{:.1} d", longest.days())) }
+                @for it in idle { dd.note { (it.telescope) ": " (it.sentence()) } }
             }
         }
     }

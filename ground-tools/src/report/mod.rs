@@ -21,6 +21,7 @@ mod schedule_view;
 mod opportunity_data;
 mod session_table;
 mod hours;
+mod teaching;
 mod visit_panels;
 mod tracks;
 mod scan_angles;
@@ -71,6 +72,7 @@ pub fn page(source: &Source) -> Result<Vec<u8>, Failure> {
         sections.push(Section { id: "difference", title: "Difference", body });
     }
     sections.extend([
+        Section { id: "teaching", title: "What the plan teaches", body: teaching::section(source) },
         Section { id: "hours", title: "Hours in view", body: hours::section(source, &names) },
         Section { id: "visits", title: "Visits", body: visit_panels::section(source)? },
         Section { id: "tracks", title: "Sky tracks", body: tracks::section(source)? },

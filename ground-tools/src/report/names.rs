@@ -54,7 +54,7 @@ impl<'r> Names<'r> {
 
     /// The id that `timeline.json` has.
     pub(super) fn id(&self, it: &Opportunity) -> String {
-        format!("{}{:06}", self.prefix(it.telescope, it.target), it.turn)
+        format!("{}{:06}", self.prefix(it.telescope, it.target), it.number)
     }
 
     /// What ids of a class begin with.

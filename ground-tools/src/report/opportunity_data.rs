@@ -163,7 +163,7 @@ impl Writer<'_, '_> {
         self.push(start - self.last.0)?;
         let class = 2 * self.names.class(it) + usize::from(session.is_some());
         self.push(i64::try_from(class).unwrap_or(i64::MAX))?;
-        let turn = i64::try_from(it.turn).unwrap_or(i64::MAX);
+        let turn = i64::try_from(it.number).unwrap_or(i64::MAX);
         self.push_signed(turn - self.last.1);
         self.last = (start, turn);
         self.push(i64::try_from(times.len()).unwrap_or(i64::MAX))?;

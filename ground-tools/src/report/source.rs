@@ -1,5 +1,6 @@
 //! What the page is made from: a plan, and all that it was planned from.
 
+use formats::forecast::Taught;
 use formats::timeline::{Difference, Timeline};
 use onboard_core::ephemeris::EphemerisTable;
 use planner::opportunities::Offers;
@@ -16,6 +17,8 @@ pub struct Source<'r> {
     pub offers: &'r Offers,
     /// The plan.
     pub timeline: &'r Timeline,
+    /// What its sessions teach.
+    pub taught: &'r Taught<'r>,
     /// A rule that the plan breaks, in words, by the check in exact arithmetic.
     pub violation: Option<&'r str>,
     /// What changed against an earlier plan, where there is one.

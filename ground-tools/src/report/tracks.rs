@@ -42,7 +42,7 @@ pub(super) fn section(source: &Source) -> Result<Markup, Failure> {
     for step in 0..=STEPS {
         let at = world.start.plus(Duration::from_seconds(length * real(step) / real(STEPS)));
         let at = at.min(world.end);
-        let sun = sun_model.state(world.start, at);
+        let sun = sun_model.state(world.zero(), at);
         let sun = sun.map_err(planner::world::TableFault)?;
         for (track, target) in tracks.iter_mut().zip(&world.targets) {
             let place = world.sky.direction(target, at).map_err(Failure::input)?;

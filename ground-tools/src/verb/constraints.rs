@@ -1,7 +1,7 @@
 //! `gyrfalcon constraints`: what speeds and half-wave plates demand, per telescope.
 
 use super::asked::mission;
-use super::told::{print_json, tell};
+use super::delivered::{answer, answer_json};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
 use mission::Mission;
@@ -47,9 +47,12 @@ pub(super) fn run(shared: &SharedArgs) -> Result<(), Failure> {
     if shared.json {
         let telescopes =
             mission.telescopes.iter().zip(&found).map(|(it, found)| row(it, found)).collect();
-        return print_json(&Summary { full_sky: mission.scan.covers_full_sky(), telescopes });
+        return answer_json(
+            shared,
+            &Summary { full_sky: mission.scan.covers_full_sky(), telescopes },
+        );
     }
-    tell(shared, &table(&mission, &found))
+    answer(shared, &table(&mission, &found))
 }
 
 fn scan(mission: &Mission) -> Scan {

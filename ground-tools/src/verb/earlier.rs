@@ -1,6 +1,7 @@
 //! An earlier plan of the same mission, to stay close to or to show the difference from.
 
 use crate::failure::Failure;
+use crate::output::{DIGESTS, digest};
 use ephem::time::format_tdb;
 use formats::products::ALWAYS;
 use formats::timeline::{Difference, Timeline};
@@ -11,6 +12,32 @@ use std::path::{Path, PathBuf};
 
 /// The file by which a plan is known.
 pub(super) const TIMELINE: &str = ALWAYS[0];
+
+/// Refuses a timeline beside files of another plan, as one that was cut short leaves them.
+///
+/// # Errors
+/// [`Failure::Input`] names a file whose digest is not that of the folder's list.
+pub(super) fn of_one_plan(timeline: &Path) -> Result<(), Failure> {
+    let Some(folder) = timeline.parent() else { return Ok(()) };
+    let list = folder.join(DIGESTS);
+    let Ok(digests) = std::fs::read_to_string(&list) else { return Ok(()) };
+    for line in digests.lines() {
+        let Some((expected, name)) = line.split_once("  ") else { continue };
+        let path = folder.join(name);
+        // A file may have been taken away; what is there must be of this plan.
+        let Ok(file) = std::fs::File::open(&path) else { continue };
+        let found = digest(file).map_err(|error| Failure::file("read", &path, &error))?;
+        if found != expected {
+            return Err(Failure::Input(format!(
+                "{} is not the file of that name in {}: the folder holds more than one plan, or was \
+                 changed; plan writes it anew",
+                path.display(),
+                list.display()
+            )));
+        }
+    }
+    Ok(())
+}
 
 /// An earlier plan.
 pub(super) struct Earlier {
@@ -29,6 +56,7 @@ impl Earlier {
     /// [`Failure::Input`] where it is not one, names a session twice, or is another mission's.
     pub(super) fn read(path: &Path, world: &World) -> Result<Self, Failure> {
         let file = if path.is_dir() { path.join(TIMELINE) } else { path.to_owned() };
+        of_one_plan(&file)?;
         let (timeline, bytes) = Timeline::read(&file)?;
         let place = file.display();
         let (mission, before) = (&world.mission.name, &timeline.provenance);
@@ -39,12 +67,12 @@ impl Earlier {
                 before.mission
             )));
         }
-        if before.start_tai_ns != world.start.tai_ns() {
+        if before.start_tai_ns != world.zero().tai_ns() {
             return Err(Failure::Input(format!(
                 "{place} is a plan of {mission} from {}, but this mission starts at {}: precession \
                  turns, and so the ids of sessions, count from the start, which must be the same",
                 before.start_tdb,
-                format_tdb(world.start)
+                format_tdb(world.zero())
             )));
         }
         let mut ids = BTreeSet::new();

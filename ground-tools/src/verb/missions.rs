@@ -1,13 +1,14 @@
 //! `gyrfalcon missions`: list the presets, show one, check a file.
 
 use super::asked::mission;
-use super::delivered::sink;
-use super::told::print_json;
+use super::delivered::{answer, answer_json, sink};
+use super::told::warn;
 use crate::cli::{MissionsArgs, SharedArgs};
 use crate::failure::Failure;
-use crate::output::to_stdout;
 use mission::Mission;
+use mission::occasions::{Blackouts, contacts};
 use mission::presets;
+use planner::world::World;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -42,20 +43,38 @@ pub(super) fn run(shared: &SharedArgs, arguments: &MissionsArgs) -> Result<(), F
     if arguments.resolved {
         return sink(shared).write(mission.resolved_toml().as_bytes());
     }
+    if presets::find(name).is_none() {
+        check_files(shared, &mission)?;
+    }
     if shared.json {
-        return print_json(&Checked {
-            name: &mission.name,
-            sha256: mission.digest(),
-            warnings: mission.warnings.iter().map(ToString::to_string).collect(),
-        });
+        return answer_json(
+            shared,
+            &Checked {
+                name: &mission.name,
+                sha256: mission.digest(),
+                warnings: mission.warnings.iter().map(ToString::to_string).collect(),
+            },
+        );
     }
     match presets::find(name) {
         Some(text) if shared.set.is_empty() => sink(shared).write(text.as_bytes()),
-        _ => to_stdout(
-            format!("{} is a mission: {}, SHA-256 {}\n", name, mission.name, mission.digest())
-                .as_bytes(),
+        _ => answer(
+            shared,
+            &format!("{} is a mission: {}, SHA-256 {}\n", name, mission.name, mission.digest()),
         ),
     }
+}
+
+/// Reads the files that a mission names, as a plan would.
+fn check_files(shared: &SharedArgs, mission: &Mission) -> Result<(), Failure> {
+    let world = World::open(mission.clone(), shared.ephemeris.as_deref())?;
+    warn(shared, world.far_trajectory().as_slice());
+    if let Some(data) = &mission.calibration.schedule.data {
+        contacts(mission, &data.contacts)?;
+    }
+    let blackouts = Blackouts::read(mission, (world.start, world.end))?;
+    warn(shared, &blackouts.left_out());
+    Ok(())
 }
 
 fn list(shared: &SharedArgs) -> Result<(), Failure> {
@@ -73,7 +92,7 @@ fn list(shared: &SharedArgs) -> Result<(), Failure> {
         });
     }
     if shared.json {
-        return print_json(&rows);
+        return answer_json(shared, &rows);
     }
     let mut text = format!(
         "{:<10} {:>6} {:>6} {:>14} {:>11}  telescopes\n",
@@ -92,5 +111,5 @@ fn list(shared: &SharedArgs) -> Result<(), Failure> {
         );
     }
     text.push_str("\ngyrfalcon missions NAME shows one; --resolved with every key explicit\n");
-    to_stdout(text.as_bytes())
+    answer(shared, &text)
 }

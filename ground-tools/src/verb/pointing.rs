@@ -1,8 +1,8 @@
 //! `gyrfalcon pointing`: attitude, direction, crossing angle and plate angle over a span, as rows or
 //! as an attitude ephemeris message.
 
-use super::asked::world;
-use super::delivered::{deliver, sink};
+use super::asked::{window, world};
+use super::delivered::{deliver, form, sink};
 use super::told::print_json;
 use crate::cli::{Format, PointingArgs, SharedArgs};
 use crate::failure::Failure;
@@ -80,8 +80,8 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
         )));
     };
     let instants = &arguments.instants;
-    let times = instants.within(world.mission.span.duration)?;
-    let is_message = shared.format == Some(Format::Aem);
+    let times = instants.within(window(&world))?;
+    let is_message = form(shared)? == Format::Aem;
     match (is_message, instants.step.is_some(), instants.at.is_empty()) {
         (true, _, false) => {
             return Err(Failure::Input(
@@ -122,6 +122,9 @@ pub(super) fn run(shared: &SharedArgs, arguments: &PointingArgs) -> Result<(), F
     })
 }
 
+/// Shortest span of an AEM, whose times are written in microseconds.
+pub(super) const SHORTEST_MESSAGE_NS: i64 = 1_000_000;
+
 /// What the message of a line of sight is made from.
 fn attitudes<'w>(
     world: &'w World,
@@ -147,6 +150,11 @@ fn deliver_message(
     line: &SightLine,
     attitudes: Attitudes<'_>,
 ) -> Result<(), Failure> {
+    if world.end.since(world.start).ns() < SHORTEST_MESSAGE_NS {
+        return Err(Failure::Input(
+            "an AEM covers 1 ms or more: a longer --duration is needed".to_owned(),
+        ));
+    }
     let span = Span::whole((world.start, world.end));
     let frame = match (line.telescope_name.as_str(), line.detector_name.as_str()) {
         (NONE, _) => BodyFrame::Boresight,
@@ -177,7 +185,7 @@ fn row(
     line: &SightLine,
     elapsed: Duration,
 ) -> Result<Row, Failure> {
-    let at = world.start.plus(elapsed);
+    let at = world.zero().plus(elapsed);
     let seen = sweep(&world.scan, sun, line.rotation, at).map_err(TableFault)?;
     let hwp = line.hwp.map(|plate| hwp_phase(&world.scan, plate, at));
     Ok(Row { elapsed, at, seen, hwp })

@@ -5,13 +5,14 @@
 
 use super::asked::world;
 use super::delivered::sink;
-use super::earlier::{Earlier, TIMELINE};
+use super::earlier::{Earlier, TIMELINE, of_one_plan};
 use super::told::warn;
 use crate::cli::{ReportArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::report::{Source, chosen, page};
+use formats::forecast::Taught;
 use formats::timeline::Timeline;
-use planner::plan::Offered;
+use planner::plan::{Offered, Session};
 use planner::provenance::Provenance;
 use planner::schedule::check;
 use planner::world::World;
@@ -19,6 +20,7 @@ use std::path::Path;
 
 pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Failure> {
     let file = arguments.folder.join(TIMELINE);
+    of_one_plan(&file)?;
     let (timeline, _) = Timeline::read(&file)?;
     let world = world(shared)?;
     same_inputs(&file, &timeline.provenance, &world)?;
@@ -30,15 +32,20 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Fai
     let offered = Offered::find(&world)?;
     let earlier = arguments.against.as_ref().map(|path| Earlier::read(path, &world)).transpose()?;
     let difference = earlier.map(|it| it.difference(&timeline));
+    let table = offered.tables.parse()?;
+    let taught = Taught::of(&world, table, &timeline, &offered.offers.opportunities);
     let source = Source {
         world: &world,
-        table: offered.tables.parse()?,
+        table,
         offers: &offered.offers,
         timeline: &timeline,
         violation: None,
+        taught: &taught,
         difference: difference.as_ref(),
     };
-    let violation = check(&offered.problem, &chosen(&source)?).err().map(|it| it.to_string());
+    let taken = chosen(&source)?;
+    same_sessions(&file, &timeline, &offered.sessions(&world, &taken)?)?;
+    let violation = check(&offered.problem, &taken).err().map(|it| it.to_string());
     sink(shared).write(&page(&Source { violation: violation.as_deref(), ..source })?)?;
     match violation {
         None => Ok(()),
@@ -46,6 +53,38 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ReportArgs) -> Result<(), Fai
             Err(Failure::Check(format!("{} breaks a rule: {violation}", file.display())))
         }
     }
+}
+
+/// Refuses sessions that are not what the mission gives for their ids.
+fn same_sessions(file: &Path, timeline: &Timeline, expected: &[Session]) -> Result<(), Failure> {
+    let near = |found: f64, expected: f64| (found - expected).abs() < 1e-6;
+    for (found, expected) in timeline.sessions.iter().zip(expected) {
+        let passes = found.transits.iter().zip(&expected.passes);
+        let same_passes = found.transits.len() == expected.passes.len()
+            && passes.clone().all(|(found, expected)| {
+                let transit = &expected.transit;
+                found.detector == expected.detector
+                    && found.entry_tai_ns == transit.entry.tai_ns()
+                    && found.exit_tai_ns == transit.exit.tai_ns()
+                    && found.closest_tai_ns == transit.closest.tai_ns()
+                    && near(found.dwell_s, transit.dwell().seconds())
+            });
+        let what = match () {
+            () if found.target != expected.target => "target",
+            () if found.telescope != expected.telescope => "telescope",
+            () if found.start() != expected.start => "start_tai_ns",
+            () if found.end() != expected.end => "end_tai_ns",
+            () if !near(found.dwell_s, expected.dwell.seconds()) => "dwell_s",
+            () if !same_passes => "transits",
+            () => continue,
+        };
+        return Err(Failure::Input(format!(
+            "{}: the {what} of session {} is not what the mission gives: the timeline was changed",
+            file.display(),
+            found.id
+        )));
+    }
+    Ok(())
 }
 
 fn same_inputs(file: &Path, plan: &Provenance, world: &World) -> Result<(), Failure> {

@@ -2,6 +2,7 @@
 
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
+use crate::message::for_terminal;
 use crate::output::to_stdout;
 use serde::Serialize;
 use std::fmt::Display;
@@ -11,19 +12,24 @@ use std::fmt::Display;
 pub(super) fn warn<W: Display>(shared: &SharedArgs, warnings: &[W]) {
     if !shared.quiet {
         for warning in warnings {
-            eprintln!("warning: {warning}");
+            eprintln!("warning: {}", for_terminal(&warning.to_string()));
         }
     }
 }
 
-/// An object on standard output, one line.
-pub(super) fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+/// An object as one line.
+pub(super) fn json_line(value: &impl Serialize) -> Result<String, Failure> {
     let mut text = serde_json::to_string(value).map_err(Failure::internal)?;
     text.push('\n');
-    to_stdout(text.as_bytes())
+    Ok(text)
 }
 
-/// Text for a person on standard output, unless quiet.
-pub(super) fn tell(shared: &SharedArgs, text: &str) -> Result<(), Failure> {
-    if shared.quiet { Ok(()) } else { to_stdout(text.as_bytes()) }
+/// An object on standard output, one line.
+pub(super) fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    to_stdout(json_line(value)?.as_bytes())
+}
+
+/// Text for a person on standard output.
+pub(super) fn tell(text: &str) -> Result<(), Failure> {
+    to_stdout(text.as_bytes())
 }

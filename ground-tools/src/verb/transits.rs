@@ -2,8 +2,10 @@
 
 use super::asked::world;
 use super::delivered::deliver;
+use super::told::warn;
 use crate::cli::{SharedArgs, TransitsArgs};
 use crate::failure::Failure;
+use crate::output::memory::available_bytes;
 use ephem::time::format_tdb;
 use formats::degrees;
 use formats::rows::Column;
@@ -72,6 +74,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &TransitsArgs) -> Result<(), F
     let lines = arguments.sight.lines(&world.mission)?;
     let tables = world.tables(&world.ground_options())?;
     let table = tables.parse()?;
+    enough_memory(shared, &world, lines.len())?;
     let found = search(&world, table, &lines)?;
     let sun = world.sun(table)?;
     let provenance = Provenance::of(&world);
@@ -79,6 +82,33 @@ pub(super) fn run(shared: &SharedArgs, arguments: &TransitsArgs) -> Result<(), F
     deliver(shared, rows, (&provenance, &columns()), || {
         summary(&world, &lines, &found, &provenance)
     })
+}
+
+/// Bytes that the passes of a target through a line of sight take in a day, measured on LiteBIRD.
+const BYTES_PER_DAY: u64 = 100;
+/// From here on the need is told.
+const MUCH: u64 = 1_000_000_000;
+
+/// Tells how much memory a large search may need, and refuses one for which there is not enough.
+fn enough_memory(shared: &SharedArgs, world: &World, lines: usize) -> Result<(), Failure> {
+    let days = world.end.since(world.start).ns().unsigned_abs().div_ceil(86_400_000_000_000);
+    let pairs = (lines as u64).saturating_mul(world.targets.len() as u64);
+    let bytes = days.saturating_mul(pairs).saturating_mul(BYTES_PER_DAY);
+    let gigabytes = bytes / MUCH;
+    match available_bytes() {
+        Some(left) if bytes > left => Err(Failure::Input(format!(
+            "the passes of {} targets through {lines} lines of sight in {days} d may take {gigabytes} \
+             GB of memory, and {} GB are left: a shorter --duration, or fewer of --target or \
+             --detector fit",
+            world.targets.len(),
+            left / MUCH
+        ))),
+        _ if bytes > MUCH => {
+            warn(shared, &[format!("the passes may take {gigabytes} GB of memory")]);
+            Ok(())
+        }
+        _ => Ok(()),
+    }
 }
 
 fn row<'w>(

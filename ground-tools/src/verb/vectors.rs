@@ -1,12 +1,12 @@
 //! `gyrfalcon vectors`: test vectors for flight code.
 
-use super::asked::world;
-use super::delivered::sink;
+use super::asked::{window, world};
+use super::delivered::{form, sink};
 use super::table::container;
 use super::told::{print_json, warn};
 use crate::cli::{Format, SharedArgs, VectorsArgs};
 use crate::failure::Failure;
-use crate::output::{Sink, to_stdout, write_folder};
+use crate::output::{Sink, is_device, to_stdout, write_folder};
 use ephem::random::SplitMix64;
 use formats::rows::{self, Column, Layout, json_lines};
 use formats::vectors::{TransitVector, Vector, VectorSet, c_header};
@@ -41,7 +41,14 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VectorsArgs) -> Result<(), Fa
             container::ephemeris(file, &bytes, &world.mission)?
         }
     };
-    let set = VectorSet::new(&world, ephemeris, &lines, times.into_iter())?;
+    let set = VectorSet::new(&world, ephemeris, &lines, times.into_iter());
+    // A table of the user's own may hold anything.
+    let set = set.map_err(|error| match (&arguments.table, Failure::from(error)) {
+        (Some(file), Failure::Internal(what)) => {
+            Failure::Input(format!("{}: it does not serve the mission: {what}", file.display()))
+        }
+        (_, failure) => failure,
+    })?;
     let files = deliver(shared, &set, &provenance)?;
     if !shared.json {
         return Ok(());
@@ -50,7 +57,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VectorsArgs) -> Result<(), Fa
         "vectors": set.vectors.len(),
         "transits": set.transits.len(),
         "lines": lines.iter().map(planner::opportunities::SightLine::key).collect::<Vec<_>>(),
-        "files": files,
+        "files": files.iter().map(|it| it.to_string_lossy()).collect::<Vec<_>>(),
         "provenance": serde_json::to_value(&provenance).map_err(Failure::internal)?,
     }))
 }
@@ -58,9 +65,10 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VectorsArgs) -> Result<(), Fa
 /// The elapsed times asked for, rising where they are drawn or stepped.
 fn instants(world: &World, arguments: &VectorsArgs) -> Result<Vec<Duration>, Failure> {
     let named = &arguments.instants;
-    let whole = world.mission.span.duration.ns();
+    let (from, until) = window(world);
+    let whole = until.ns() - from.ns();
     let times: Vec<Duration> = if named.step.is_some() || !named.at.is_empty() {
-        named.within(world.mission.span.duration)?.take(MOST + 1).collect()
+        named.within((from, until))?.take(MOST + 1).collect()
     } else {
         let count = i64::from(arguments.count.map_or(DEFAULT_COUNT, std::num::NonZeroU32::get));
         let mut drawn: Vec<i64> = match arguments.seed {
@@ -71,7 +79,7 @@ fn instants(world: &World, arguments: &VectorsArgs) -> Result<Vec<Duration>, Fai
             None => (0..count).map(|index| spaced(whole, index, count)).collect(),
         };
         drawn.sort_unstable();
-        drawn.into_iter().map(Duration::from_ns).collect()
+        drawn.into_iter().map(|it| Duration::from_ns(from.ns() + it)).collect()
     };
     if times.len() > MOST {
         return Err(Failure::Input(format!(
@@ -87,17 +95,6 @@ fn spaced(whole: i64, index: i64, count: i64) -> i64 {
     i64::try_from(exact).unwrap_or(whole)
 }
 
-/// The form asked for, or that of the file's name.
-fn format(shared: &SharedArgs) -> Format {
-    let extension = shared.out.as_deref().and_then(Path::extension);
-    shared.format.unwrap_or_else(|| match extension.and_then(|it| it.to_str()) {
-        Some("h") => Format::C,
-        Some("jsonl") => Format::Jsonl,
-        Some("parquet") => Format::Parquet,
-        _ => Format::Csv,
-    })
-}
-
 /// Writes all files or none; returns their paths.
 fn deliver(
     shared: &SharedArgs,
@@ -108,7 +105,7 @@ fn deliver(
     if shared.json && sink == Sink::Stdout {
         return Ok(Vec::new());
     }
-    let format = format(shared);
+    let format = form(shared)?;
     let (vectors, transits) = (&set.vectors, &set.transits);
     let (first, second) = match format {
         Format::C => (c_header::text(set, provenance).into_bytes(), None),
@@ -135,6 +132,14 @@ fn deliver(
         to_stdout(&first)?;
         return Ok(Vec::new());
     };
+    if is_device(&path) {
+        if second.is_some() && !set.transits.is_empty() {
+            let dropped = "the transits' table needs a file beside the vectors', not a device";
+            warn(shared, &[dropped]);
+        }
+        Sink::File(path.clone()).write(&first)?;
+        return Ok(vec![path]);
+    }
     let Some(second) = second else {
         Sink::File(path.clone()).write(&first)?;
         return Ok(vec![path]);

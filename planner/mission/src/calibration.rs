@@ -28,13 +28,17 @@
 
 use crate::fault::{Problem, Warning};
 use crate::file_path::FilePath;
+use crate::names::{in_any_case, nearest_first};
 use crate::number::Number;
 use crate::reading::canon::toml_string;
 use crate::reading::document::{Node, Value};
 use crate::reading::range::Range;
-use crate::reading::section::{Section, duplicates, one_of};
+use crate::reading::section::{Section, duplicates, one_of_meant};
+use crate::requirement::Requirement;
 use crate::rounding;
 use crate::schedule::{Schedule, Weight};
+use crate::sessions::Asked;
+use crate::telescope::Telescope;
 use num_traits::{One, Zero};
 
 /// Targets that need no source: planets (from Mars on, the Earth aside, system barycentres), the
@@ -52,8 +56,12 @@ pub struct Calibration {
     pub targets: Vec<String>,
     /// Radius of a transit about a line of sight.
     pub radius_deg: Number,
+    /// Which passes belong together, where that is asked for.
+    pub(crate) session: Option<Asked>,
     /// Directions of the user's own.
     pub sources: Vec<CalibrationSource>,
+    /// What calibration must teach.
+    pub requirements: Vec<Requirement>,
     /// What binds the timeline.
     pub schedule: Schedule,
 }
@@ -121,9 +129,10 @@ const LONGITUDE: Range = Range::closed("an angle", -360.0, 360.0, "deg");
 const LATITUDE: Range = Range::closed("an angle", -90.0, 90.0, "deg");
 
 impl Calibration {
-    pub(crate) fn read(section: &mut Section<'_>, telescopes: usize) -> Self {
+    pub(crate) fn read(section: &mut Section<'_>, telescopes: &[Telescope]) -> Self {
         let target_nodes = target_nodes(section);
         let radius_deg = section.number("radius_deg", &RADIUS, Some("0.5"));
+        let session = section.inline("session", Asked::read);
         let sources = section.tables("source", CalibrationSource::read);
         duplicates(section, "source", sources.iter().map(|source| source.name.as_str()));
         let legal: Vec<&str> =
@@ -134,10 +143,35 @@ impl Calibration {
         };
         let items: Vec<String> = targets.iter().map(|target| toml_string(target)).collect();
         section.record("targets", format!("[{}]", items.join(", ")));
-        let schedule =
-            section.table("schedule", |s| Schedule::read(s, telescopes, &targets, &legal));
-        Self { targets, radius_deg, sources, schedule }
+        let requirements = section.tables("requirement", |s| requirement(s, telescopes));
+        let requirements = requirements.into_iter().flatten().collect();
+        let count = telescopes.len();
+        let schedule = section.table("schedule", |s| Schedule::read(s, count, &targets, &legal));
+        Self { targets, radius_deg, session, sources, requirements, schedule }
     }
+}
+
+/// A requirement on what the mission carries.
+fn requirement(section: &mut Section<'_>, telescopes: &[Telescope]) -> Option<Requirement> {
+    let requirement = Requirement::read(section)?;
+    if let Some(node) = section.node_of("telescope")
+        && !requirement.has_subject(telescopes)
+    {
+        let known: Vec<&str> = telescopes
+            .iter()
+            .flat_map(|it| {
+                let channels = it.channels.iter().map(|channel| channel.name.as_str());
+                std::iter::once(it.name.as_str()).chain(channels)
+            })
+            .collect();
+        let said = requirement.telescope.as_str();
+        let need = format!(
+            "\"all\", a telescope, a channel or a detector of the mission ({})",
+            nearest_first(said, &known)
+        );
+        section.not_legal("telescope", node, &need);
+    }
+    Some(requirement)
 }
 
 /// The targets as given: a list, or words that an option separates by commas.
@@ -168,8 +202,10 @@ fn targets(section: &Section<'_>, nodes: &[Node], legal: &[&str]) -> Vec<String>
     let mut targets: Vec<String> = Vec::new();
     for node in nodes {
         let text = Section::text_of(node).unwrap_or_default();
-        if !legal.contains(&text) {
-            section.not_legal("targets", node, &one_of(legal));
+        let found = in_any_case(text, legal);
+        let text = found.unwrap_or(text);
+        if found.is_none() {
+            section.not_legal("targets", node, &one_of_meant(text, legal));
         } else if targets.iter().any(|target| target == text) {
             let problem =
                 Problem::Duplicate { key: section.key("targets"), value: text.to_owned() };

@@ -23,6 +23,9 @@ use crate::quantity::QuantityError;
 use std::fmt;
 use thiserror::Error;
 
+/// Most faults that a sentence tells; the others are counted.
+const MOST_TOLD: usize = 10;
+
 /// Everything that is wrong with a mission; at least one fault.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub struct MissionError {
@@ -49,11 +52,14 @@ impl From<Fault> for MissionError {
 
 impl fmt::Display for MissionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, fault) in self.faults.iter().enumerate() {
+        for (index, fault) in self.faults.iter().take(MOST_TOLD).enumerate() {
             let separator = if index == 0 { "" } else { "\n" };
             write!(f, "{separator}{fault}")?;
         }
-        Ok(())
+        match self.faults.len().saturating_sub(MOST_TOLD) {
+            0 => Ok(()),
+            more => write!(f, "\nand {more} faults more"),
+        }
     }
 }
 
@@ -222,6 +228,17 @@ pub enum Warning {
     PolesPassedBy {
         /// The absolute difference of alpha and beta in degrees.
         difference: String,
+    },
+    /// The boresight comes near the Sun.
+    #[error(
+        "the boresight comes within {closest} deg of the Sun (180 - scan.alpha_deg - scan.beta_deg); \
+         less than {limit} deg is warned of"
+    )]
+    NearSun {
+        /// The least angle between boresight and Sun in degrees.
+        closest: String,
+        /// The angle below which that is said.
+        limit: u32,
     },
     /// Pairs of detectors that should differ in polarisation angle and do not.
     #[error(

@@ -19,6 +19,7 @@ use crate::reading::document::{Place, Table};
 use crate::reading::findings::Findings;
 use crate::reading::section::{Section, duplicates};
 use crate::scan::{Scan, Tolerance};
+use crate::sessions::Sessions;
 use crate::span::Span;
 use crate::telescope::Telescope;
 use onboard_core::scan::{ScanError, ScanParameters, ScanStrategy};
@@ -107,7 +108,7 @@ impl Mission {
         let orbit = top.table("orbit", Orbit::read);
         let telescopes = top.tables("telescope", |s| Telescope::read(s, &directory));
         duplicates(&top, "telescope", telescopes.iter().map(|t| t.name.as_str()));
-        let calibration = top.table("calibration", |s| Calibration::read(s, telescopes.len()));
+        let calibration = top.table("calibration", |s| Calibration::read(s, &telescopes));
         let product = top.table("product", |s| Product::read(s, &name));
         let resolved = top.finish().text();
         let faults = findings.into_inner().into_faults();
@@ -115,6 +116,7 @@ impl Mission {
             return Err(MissionError::new(faults));
         };
         let mut warnings = scan.warnings();
+        warnings.extend(scan.near_sun());
         warnings.extend(telescopes.iter().filter_map(|telescope| telescope.warning.clone()));
         warnings.extend(calibration.idle_weights());
         Ok(Self {
@@ -150,6 +152,12 @@ impl Mission {
     #[must_use]
     pub fn path(&self, file: &FilePath) -> PathBuf {
         file.within(&self.directory)
+    }
+
+    /// Which passes of a target over a telescope belong to one session.
+    #[must_use]
+    pub fn sessions(&self) -> Sessions {
+        Sessions::of(self.calibration.session.as_ref(), &self.scan)
     }
 
     /// The mission with every key explicit, as TOML that reads back as the same mission.

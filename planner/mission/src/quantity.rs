@@ -1,6 +1,6 @@
 //! What quantity did the user type on the command line.
 //!
-//! Durations need a unit (`20d`, `3.2h`, `192.348min`, `30s`, `1.5y`), angles too (`45deg`,
+//! Durations need a unit (`20d`, `3.2h`, `192.348min`, `30s`, `2w`, `1.5y`, `14 days`), angles too (`45deg`,
 //! `30arcmin`, `10arcsec`, `1mas`, `0.3rad`); rates are in Hz, with or without the unit.
 //!
 //! Method: the trailing letters are the unit, the rest is a [`Number`]; units are exact ratios of
@@ -15,7 +15,7 @@
 //! assert_eq!(seconds("192.348min")?, seconds("11540.88s")?);
 //! assert_eq!(degrees("30arcmin")?, degrees("0.5deg")?);
 //! let told = seconds("20").map_err(|error| error.to_string());
-//! assert_eq!(told, Err("20 has no unit: one of ns, us, ms, s, min, h, d, y is needed".to_owned()));
+//! assert_eq!(told, Err("20 has no unit: one of ns, us, ms, s, min, h, d, w, y is needed".to_owned()));
 //! # Ok::<(), mission::quantity::QuantityError>(())
 //! ```
 
@@ -54,7 +54,7 @@ pub enum QuantityError {
 type Unit = (&'static str, i64, i64);
 
 /// In seconds.
-const DURATIONS: [Unit; 8] = [
+const DURATIONS: [Unit; 9] = [
     ("ns", 1, 1_000_000_000),
     ("us", 1, 1_000_000),
     ("ms", 1, 1000),
@@ -62,7 +62,31 @@ const DURATIONS: [Unit; 8] = [
     ("min", 60, 1),
     ("h", 3600, 1),
     ("d", 86400, 1),
+    ("w", 604_800, 1),
     ("y", 31_557_600, 1),
+];
+/// Other names of units, in letters of any case.
+const ALIASES: [(&str, &str); 20] = [
+    ("sec", "s"),
+    ("secs", "s"),
+    ("second", "s"),
+    ("seconds", "s"),
+    ("mins", "min"),
+    ("minute", "min"),
+    ("minutes", "min"),
+    ("hr", "h"),
+    ("hrs", "h"),
+    ("hour", "h"),
+    ("hours", "h"),
+    ("day", "d"),
+    ("days", "d"),
+    ("week", "w"),
+    ("weeks", "w"),
+    ("yr", "y"),
+    ("year", "y"),
+    ("years", "y"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
 ];
 /// In degrees; a radian is no ratio.
 const ANGLES: [Unit; 5] =
@@ -115,7 +139,9 @@ fn with_unit(text: &str, units: &[Unit]) -> Result<(Number, Unit), QuantityError
     if unit.is_empty() {
         return Err(QuantityError::MissingUnit { text: text.to_owned(), units: units_text() });
     }
-    units.iter().find(|known| known.0 == unit).map(|known| (number, *known)).ok_or_else(|| {
+    let alias = ALIASES.iter().find(|it| it.0.eq_ignore_ascii_case(unit)).map(|it| it.1);
+    let named = alias.unwrap_or(unit);
+    units.iter().find(|known| known.0 == named).map(|known| (number, *known)).ok_or_else(|| {
         QuantityError::UnknownUnit {
             text: text.to_owned(),
             unit: unit.to_owned(),
@@ -139,6 +165,8 @@ mod tests {
         assert_eq!(seconds("192.348min").unwrap(), ratio(1_154_088, 100));
         assert_eq!(seconds("30 s").unwrap(), ratio(30, 1));
         assert_eq!(seconds("1.5y").unwrap(), ratio(47_336_400, 1));
+        assert_eq!(seconds("2w").unwrap(), seconds("14 days").unwrap());
+        assert_eq!(seconds("1.5 Years").unwrap(), seconds("1.5y").unwrap());
         assert_eq!(seconds("1e1ms").unwrap(), ratio(1, 100));
         assert_eq!(seconds("1/3h").unwrap(), ratio(1200, 1));
     }
@@ -166,10 +194,13 @@ mod tests {
     #[test]
     fn a_wrong_or_missing_unit_is_named() {
         let sentence = |text: &str| seconds(text).unwrap_err().to_string();
-        assert_eq!(sentence("20"), "20 has no unit: one of ns, us, ms, s, min, h, d, y is needed");
+        assert_eq!(
+            sentence("20"),
+            "20 has no unit: one of ns, us, ms, s, min, h, d, w, y is needed"
+        );
         assert_eq!(
             sentence("20m"),
-            "20m has the unit m: one of ns, us, ms, s, min, h, d, y is needed"
+            "20m has the unit m: one of ns, us, ms, s, min, h, d, w, y is needed"
         );
         assert_eq!(
             sentence("nan"),

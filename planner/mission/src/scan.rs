@@ -17,6 +17,7 @@ use crate::rounding;
 use num_rational::BigRational;
 use num_traits::Signed;
 use onboard_core::phase::{Phase, Rotor, TurnRate};
+use onboard_core::time::Duration;
 
 /// The scanning strategy and how it is sampled.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,6 +103,12 @@ impl Scan {
         self.warnings().is_empty()
     }
 
+    /// A precession turn, rounded to nanoseconds.
+    #[must_use]
+    pub fn precession_period(&self) -> Duration {
+        rounding::duration(&self.precession_period_min.times(60, 1)).unwrap_or(Duration::ZERO)
+    }
+
     pub(crate) fn warnings(&self) -> Vec<Warning> {
         let (alpha, beta) = (self.alpha_deg.exact(), self.beta_deg.exact());
         let quarter = BigRational::from_integer(90.into());
@@ -120,7 +127,21 @@ impl Scan {
         }
         warnings
     }
+
+    /// Whether the boresight comes near the Sun: at the far side of its circle it is `alpha + beta`
+    /// from the anti-Sun direction.
+    pub(crate) fn near_sun(&self) -> Option<Warning> {
+        let half_turn = BigRational::from_integer(180.into());
+        let closest = half_turn - self.alpha_deg.exact() - self.beta_deg.exact();
+        (closest < BigRational::from_integer(NEAR_SUN_DEG.into())).then(|| Warning::NearSun {
+            closest: Number::from_exact(closest).text().to_owned(),
+            limit: NEAR_SUN_DEG,
+        })
+    }
 }
+
+/// A boresight that comes nearer to the Sun is warned of: no baffle of a telescope in use allows it.
+const NEAR_SUN_DEG: u32 = 45;
 
 /// A rotor of a period in minutes and a start phase in degrees; still for a period of zero, which
 /// only the stand-in of a fault is.

@@ -19,11 +19,12 @@
 
 use crate::fault::Problem;
 use crate::file_path::FilePath;
+use crate::names::in_any_case;
 use crate::number::Number;
 use crate::reading::canon::Canon;
 use crate::reading::document::{Node, Value};
 use crate::reading::range::Range;
-use crate::reading::section::{Section, one_of};
+use crate::reading::section::{Section, one_of_meant};
 use crate::rounding;
 use num_rational::BigRational;
 use onboard_core::time::Duration;
@@ -279,13 +280,15 @@ impl SessionLimit {
 impl Avoidance {
     fn read(section: &mut Section<'_>, legal: &[&str]) -> Self {
         let legal: Vec<&str> = AVOIDABLE.into_iter().chain(legal.iter().copied()).collect();
-        let body = section.name("body", None);
-        if !body.is_empty()
-            && !legal.contains(&body.as_str())
+        let written = section.name("body", None);
+        let found = in_any_case(&written, &legal);
+        if !written.is_empty()
+            && found.is_none()
             && let Some(node) = section.node_of("body")
         {
-            section.not_legal("body", node, &one_of(&legal));
+            section.not_legal("body", node, &one_of_meant(&written, &legal));
         }
+        let body = found.map_or(written.clone(), str::to_owned);
         Self { body, angle_deg: section.number("angle_deg", &ANGLE, None) }
     }
 }
@@ -305,8 +308,9 @@ fn weights(section: &mut Section<'_>, targets: &[String], legal: &[&str]) -> Vec
         Some(node) => {
             if let Value::Table(table) = &node.value {
                 for (name, node) in table {
+                    let name = in_any_case(name, legal).unwrap_or(name);
                     let key = format!("weights.{name}");
-                    if !legal.contains(&name.as_str()) {
+                    if !legal.contains(&name) {
                         let (key, nearest) = (section.key(&key), nearest(name, legal));
                         let nearest = section.key(&format!("weights.{nearest}"));
                         section.fault(&node.place, Problem::UnknownKey { key, nearest });
@@ -315,7 +319,7 @@ fn weights(section: &mut Section<'_>, targets: &[String], legal: &[&str]) -> Vec
                     let Some(weight) = weight(section, &key, node) else { continue };
                     match weights.iter_mut().find(|(target, _)| target == name) {
                         Some(entry) => entry.1 = weight,
-                        None => weights.push((name.clone(), weight)),
+                        None => weights.push((name.to_owned(), weight)),
                     }
                 }
             } else {

@@ -1,9 +1,8 @@
 //! When does the mission start, and how long does it last.
 //!
-//! A [`TimeText`] is a time whose syntax and calendar have been checked, with its scale; it becomes
-//! an instant where leap seconds and TDB are known.
+//! A [`TimeText`] is a time that has been checked, with its scale, as `ephem::time` reads it.
 //!
-//! Limits: years 1900 to 2200; whether a UTC day has a leap second is not checked here.
+//! Limits: years 1900 to 2200.
 
 use crate::number::Number;
 use crate::reading::canon::toml_string;
@@ -11,42 +10,16 @@ use crate::reading::document::Value;
 use crate::reading::range::Range;
 use crate::reading::section::Section;
 use crate::rounding;
+use ephem::time::{TimeError, parse_time};
 use onboard_core::time::Duration;
 use std::fmt;
 
-/// A time scale.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TimeScale {
-    /// Barycentric dynamical time.
-    Tdb,
-    /// Terrestrial time.
-    Tt,
-    /// International atomic time.
-    Tai,
-    /// Coordinated universal time.
-    Utc,
-}
-
-/// A calendar time with its scale.
+/// A time with its scale, that exists.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TimeText {
     text: String,
-    /// The scale; `Z` is UTC.
-    pub scale: TimeScale,
     /// 1900 to 2200.
     pub year: u16,
-    /// 1 to 12.
-    pub month: u8,
-    /// 1 to the month's length.
-    pub day: u8,
-    /// 0 to 23.
-    pub hour: u8,
-    /// 0 to 59.
-    pub minute: u8,
-    /// 0 to 59, or 60 at the end of a UTC day.
-    pub second: u8,
-    /// 0 to 999,999,999.
-    pub nanosecond: u32,
 }
 
 /// What a time must look like.
@@ -59,86 +32,22 @@ impl fmt::Display for TimeText {
 }
 
 impl TimeText {
-    /// Reads `2032-04-01T00:00:00 TDB`, `2032-04-01T00:00:00.5Z` and the like; `None` where it is
-    /// no time from 1900 to 2200 in this form.
-    #[must_use]
-    pub fn parse(text: &str) -> Option<Self> {
+    /// Reads `2032-04-01T00:00:00 TDB`, `2032-04-01T00:00:00.5Z`, `2032-092T00:00:00Z` and the like.
+    ///
+    /// # Errors
+    /// What is wrong with it; nothing more than that where its year is not 1900 to 2200.
+    pub fn parse(text: &str) -> Result<Self, Option<TimeError>> {
         let text = text.trim();
-        let (clock, scale) = if let Some(clock) = text.strip_suffix('Z') {
-            (clock, TimeScale::Utc)
-        } else {
-            let (clock, scale) = text.split_once(' ')?;
-            let scale = match scale.trim() {
-                "TDB" => TimeScale::Tdb,
-                "TT" => TimeScale::Tt,
-                "TAI" => TimeScale::Tai,
-                "UTC" => TimeScale::Utc,
-                _ => return None,
-            };
-            (clock, scale)
-        };
-        let (date, time) = clock.split_once('T')?;
-        let (time, fraction) = time.split_once('.').map_or((time, None), |(t, f)| (t, Some(f)));
-        let [year, month, day] = fields(date, '-', [4, 2, 2])?;
-        let [hour, minute, second] = fields(time, ':', [2, 2, 2])?;
-        let nanosecond = fraction.map_or(Some(0), nanoseconds)?;
-        let leap_second = second == 60 && minute == 59 && hour == 23 && scale == TimeScale::Utc;
-        let legal = (1900..=2200).contains(&year)
-            && (1..=12).contains(&month)
-            && (1..=days_in(year, month)).contains(&day)
-            && hour < 24
-            && minute < 60
-            && (second < 60 || leap_second);
-        if !legal {
-            return None;
-        }
-        Some(Self {
-            text: text.to_owned(),
-            scale,
-            year,
-            month: u8::try_from(month).ok()?,
-            day: u8::try_from(day).ok()?,
-            hour: u8::try_from(hour).ok()?,
-            minute: u8::try_from(minute).ok()?,
-            second: u8::try_from(second).ok()?,
-            nanosecond,
-        })
+        parse_time(text).map_err(Some)?;
+        let year = text.get(..4).and_then(|year| year.parse().ok());
+        let year = year.filter(|year| (1900..=2200).contains(year)).ok_or(None)?;
+        Ok(Self { text: text.to_owned(), year })
     }
 
     /// The text as written.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
-    }
-}
-
-/// Three fields of so many digits.
-fn fields(text: &str, separator: char, widths: [usize; 3]) -> Option<[u16; 3]> {
-    let mut parts = text.split(separator);
-    let mut read = [0; 3];
-    for (value, width) in read.iter_mut().zip(widths) {
-        let part = parts.next()?;
-        if part.len() != width || !part.bytes().all(|byte| byte.is_ascii_digit()) {
-            return None;
-        }
-        *value = part.parse().ok()?;
-    }
-    parts.next().is_none().then_some(read)
-}
-
-fn nanoseconds(fraction: &str) -> Option<u32> {
-    let legal =
-        (1..=9).contains(&fraction.len()) && fraction.bytes().all(|byte| byte.is_ascii_digit());
-    if legal { format!("{fraction:0<9}").parse().ok() } else { None }
-}
-
-fn days_in(year: u16, month: u16) -> u16 {
-    let leap = year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
-    match month {
-        2 if leap => 29,
-        2 => 28,
-        4 | 6 | 9 | 11 => 30,
-        _ => 31,
     }
 }
 
@@ -167,11 +76,17 @@ impl Span {
                     Value::Moment(text) => Some(text.as_str()),
                     _ => Section::text_of(node),
                 };
-                let start = text.and_then(TimeText::parse);
-                if start.is_none() {
-                    section.not_legal("start", node, &TIME_NEED);
+                match text.map(TimeText::parse) {
+                    Some(Ok(start)) => Some(start),
+                    Some(Err(Some(error))) => {
+                        section.not_legal("start", node, &format!("{error}; {TIME_NEED}"));
+                        None
+                    }
+                    None | Some(Err(None)) => {
+                        section.not_legal("start", node, &TIME_NEED);
+                        None
+                    }
                 }
-                start
             }
         };
         section.record("start", toml_string(start.as_ref().map_or("", TimeText::text)));
@@ -187,45 +102,41 @@ mod tests {
 
     #[test]
     fn times_are_read_with_their_scale() {
-        let time = TimeText::parse("2032-04-01T01:02:03.5 TDB").unwrap();
-        assert_eq!((time.year, time.month, time.day), (2032, 4, 1));
-        assert_eq!((time.hour, time.minute, time.second), (1, 2, 3));
-        assert_eq!((time.nanosecond, time.scale), (500_000_000, TimeScale::Tdb));
-        for (text, scale) in [
-            ("2032-04-01T00:00:00Z", TimeScale::Utc),
-            ("2032-04-01T00:00:00 UTC", TimeScale::Utc),
-            ("2016-12-31T23:59:60.25Z", TimeScale::Utc),
-            ("2032-02-29T00:00:00 TAI", TimeScale::Tai),
-            ("2000-02-29T00:00:00.123456789 TT", TimeScale::Tt),
+        for text in [
+            "2032-04-01T00:00:00Z",
+            "2032-04-01T00:00:00 UTC",
+            "2016-12-31T23:59:60.25Z",
+            "2032-02-29T00:00:00 TAI",
+            "2000-02-29T00:00:00.123456789 TT",
+            "2032-04-01T00:00:00.1234567890 TDB",
+            "2032-092T01:02:03.5 TDB",
+            "2032-04-01t00:00:00 tdb",
         ] {
-            assert_eq!(TimeText::parse(text).unwrap().scale, scale, "{text}");
+            assert_eq!(TimeText::parse(text).unwrap().text(), text);
         }
+        assert_eq!(TimeText::parse("2032-04-01T01:02:03.5 TDB").unwrap().year, 2032);
     }
 
     #[test]
     fn other_times_are_refused() {
-        for bad in [
-            "",
-            "2032-04-01T00:00:00",
-            "2032-04-01 TDB",
-            "2032-4-1T00:00:00 TDB",
-            "2032-04-01T24:00:00 TDB",
-            "2032-04-01T00:60:00 TDB",
-            "2032-04-01T23:59:60 TDB",
-            "2033-02-29T00:00:00 TDB",
-            "2100-02-29T00:00:00 TDB",
-            "2032-13-01T00:00:00 TDB",
-            "2032-00-01T00:00:00 TDB",
-            "1899-12-31T00:00:00 TDB",
-            "2032-04-01T00:00:00. TDB",
-            "2032-04-01T00:00:00.1234567890 TDB",
-            "2032-04-01T00:00:00 GPS",
-            "2032-04-01T00:00:00+09:00",
-            "2032-04-01T00:00 TDB",
-            "2032-04-01-02T00:00:00 TDB",
-            "+032-04-01T00:00:00 TDB",
+        let said = |text| TimeText::parse(text).unwrap_err().map(|it| it.to_string());
+        assert_eq!(said("1899-12-31T00:00:00 TDB"), None);
+        for (bad, sentence) in [
+            ("", "names no time scale"),
+            ("2032-04-01T00:00:00", "names no time scale"),
+            ("2032-4-1T00:00:00 TDB", "not of the form"),
+            ("2032-04-01T24:00:00 TDB", "hour 24"),
+            ("2032-04-01T00:60:00 TDB", "minute 60"),
+            ("2032-04-01T23:59:60 TDB", "no leap second"),
+            ("2031-12-31T23:59:60Z", "no leap second"),
+            ("2033-02-29T00:00:00 TDB", "day 29: legal is 1 to 28"),
+            ("2032-13-01T00:00:00 TDB", "month 13"),
+            ("2032-04-01T00:00:00 GPS", "GPS"),
+            ("2032-04-01T00:00:00+09:00", "scale"),
+            ("2032-04-01T00:00 TDB", "no seconds"),
+            ("+032-04-01T00:00:00 TDB", "not of the form"),
         ] {
-            assert_eq!(TimeText::parse(bad), None, "{bad}");
+            assert!(said(bad).unwrap().contains(sentence), "{bad}: {:?}", said(bad));
         }
     }
 }

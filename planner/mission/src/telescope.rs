@@ -20,12 +20,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use crate::detector::rotation;
+use crate::detector::{Kinds, rotation};
 use crate::fault::{Problem, Warning};
 use crate::focal_plane::{FocalPlane, Mount};
 use crate::number::Number;
 use crate::reading::range::Range;
 use crate::reading::section::{Section, duplicates};
+use crate::receiver::{Channel, FWHM, Receiver};
 use crate::rounding;
 use crate::scan::{PHASE, phase_of_degrees};
 use onboard_core::field_of_view::FieldOfView;
@@ -53,6 +54,10 @@ pub struct Telescope {
     pub fwhm_rad: f64,
     /// Frequency that stands for its band; sources have no known strength without it.
     pub frequency_ghz: Option<Number>,
+    /// The same with the rest of what it measures with.
+    pub receiver: Receiver,
+    /// Its kinds of detectors.
+    pub channels: Vec<Channel>,
     /// `None` is the circle of `calibration.radius_deg`.
     pub field_of_view: Option<FieldOfView>,
     /// The detectors: listed, of an instrument model, or of a grid.
@@ -65,8 +70,6 @@ pub struct Telescope {
 
 const HWP_RATE: Range = Range::positive("a rate", 1e6, "rpm")
     .if_negative("; hwp_sign = -1 reverses the plate, \"none\" removes it");
-const FWHM: Range = Range::positive("an angle", 10800.0, "arcmin");
-const FREQUENCY: Range = Range::positive("a frequency", 1e6, "GHz");
 const RADIUS: Range = Range::positive("an angle", 180.0, "deg");
 const SIDE: Range = Range::positive("an angle", 180.0, "deg").below_high();
 
@@ -78,11 +81,15 @@ impl Telescope {
         let sign = section.sign("hwp_sign");
         let phase = section.number("hwp_phase_deg", &PHASE, Some("0.0"));
         let fwhm_arcmin = section.number("fwhm_arcmin", &FWHM, None);
-        let frequency_ghz = section.optional_number("frequency_ghz", &FREQUENCY);
+        let width = Some(fwhm_arcmin.clone());
+        let receiver = Receiver::with_width(section, width, &Receiver::default());
         let field_of_view = field_of_view(section, rotation);
-        let listed = section.tables("detector", |s| NamedDetector::read(s, rotation));
+        let channels = section.tables("channel", |s| Channel::read(s, &receiver));
+        duplicates(section, "channel", channels.iter().map(|channel| channel.name.as_str()));
+        let kinds = Kinds { channels: &channels, telescope: &receiver };
+        let listed = section.tables("detector", |s| NamedDetector::read(s, rotation, &kinds));
         duplicates(section, "detector", listed.iter().map(|detector| detector.name.as_str()));
-        let mount = Mount { directory, rotation, field_of_view: field_of_view.as_ref() };
+        let mount = Mount { directory, rotation, field_of_view: field_of_view.as_ref(), kinds };
         let plane = FocalPlane::read(section, &mount);
         if !listed.is_empty() && plane.is_some() {
             let problem = Problem::Exclusive {
@@ -103,11 +110,13 @@ impl Telescope {
             hwp_rate_rpm,
             fwhm_rad: rounding::radians(&fwhm_arcmin.times(1, 60)),
             fwhm_arcmin,
-            frequency_ghz,
+            frequency_ghz: receiver.frequency_ghz.clone(),
             field_of_view,
             detectors: plane.detectors,
             detector_grid_deg: plane.grid_deg,
             warning: plane.warning,
+            receiver,
+            channels,
         }
     }
 }

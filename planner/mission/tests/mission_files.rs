@@ -4,6 +4,7 @@ use mission::calibration::SourceDirection;
 use mission::number::Number;
 use mission::orbit::{Observer, Sun, Trajectory};
 use mission::schedule::Weight;
+use mission::sessions::Sessions;
 use mission::{Mission, Override};
 use onboard_core::direction::Direction;
 use onboard_core::phase::Phase;
@@ -115,6 +116,24 @@ fn a_mission_file_has_every_key() {
     // Detector x is (0.28, 0.96, 0) in the telescope, then about y.
     assert!((x - 0.28 * 0.28).abs() < 1e-15 && (y - 0.96).abs() < 1e-15);
     assert!((z + 0.28 * 0.96).abs() < 1e-15);
+
+    let Sessions::ByPause { gap, longest, .. } = mission.sessions() else { panic!() };
+    assert_eq!([gap, longest], [3600.0, 14_400.0].map(Duration::from_seconds));
+
+    let text = |number: &Option<Number>| number.as_ref().map(|it| it.text().to_owned());
+    let (own, other) = (&hft.detectors[0].receiver, &hft.detectors[1].receiver);
+    assert_eq!(
+        [text(&own.net_uk_rts), text(&other.net_uk_rts)],
+        [Some("80".into()), Some("385.69".into())]
+    );
+    assert_eq!(
+        [text(&own.fwhm_arcmin), text(&other.fwhm_arcmin)],
+        [Some("28.6".into()), Some("17.9".into())]
+    );
+    assert_eq!(text(&own.time_constant_ms), Some("3.5".into()));
+    let level = &mission.calibration.requirements[1];
+    assert!((level.sigma() - 1e-3).abs() < 1e-18);
+    assert!(level.concerns("HFT", None, Some("d1")) && !level.concerns("HFT", None, Some("d2")));
 
     let lft = &mission.telescopes[1];
     assert_eq!(lft.detector_grid_deg.as_ref().unwrap().text(), "2.0");
@@ -445,9 +464,9 @@ fn telescopes_are_checked() {
     assert_eq!(
         fault("[[telescope]]\nname = \"a/b\"\nfwhm_arcmin = 1\n[[telescope.detector]]\n"),
         "mission.toml, line 3: telescope.a/b.name = \"a/b\" is not legal: a name of 1 to 64 printable \
-         characters, neither \"-\", \"all\" nor \"none\", without , / and quotes is needed\n\
+         characters that does not begin with # = + or @, neither \"-\", \"all\" nor \"none\", without , / and quotes is needed\n\
          mission.toml, line 5: telescope.a/b.detector.0.name is missing: a name of 1 to 64 printable \
-         characters, neither \"-\", \"all\" nor \"none\", without , / and quotes is needed"
+         characters that does not begin with # = + or @, neither \"-\", \"all\" nor \"none\", without , / and quotes is needed"
     );
 }
 
@@ -455,11 +474,15 @@ fn telescopes_are_checked() {
 fn spans_are_checked() {
     let need = "a time from 1900 to 2200 as YYYY-MM-DDThh:mm:ss[.fffffffff] followed by TDB, TT, TAI, \
                 UTC or Z";
-    for value in ["2032-04-01T00:00:00", "2032-02-30T00:00:00 TDB", "tomorrow", "5"] {
-        assert_eq!(
-            set_fault(&format!("span.start={value}")),
-            format!("--set: span.start = {value} is not legal: {need} is needed")
-        );
+    for (value, why) in [
+        ("2032-04-01T00:00:00", "names no time scale"),
+        ("2032-02-30T00:00:00 TDB", "day 30: legal is 1 to 29"),
+        ("tomorrow", "names no time scale"),
+        ("5", "names no time scale"),
+    ] {
+        let told = set_fault(&format!("span.start={value}"));
+        assert!(told.starts_with(&format!("--set: span.start = {value} is not legal: time '")));
+        assert!(told.contains(why) && told.ends_with(&format!("; {need} is needed")), "{told}");
     }
     for value in ["0", "-1", "36526", "nan"] {
         assert_eq!(

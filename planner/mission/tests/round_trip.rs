@@ -16,7 +16,7 @@ fn decimal(low: i64, high: i64) -> impl Strategy<Value = String> {
 }
 
 fn name() -> impl Strategy<Value = String> {
-    "[A-Za-z0-9_.+][A-Za-z0-9 _.+äΩ-]{0,8}[A-Za-z0-9_.+]"
+    "[A-Za-z0-9_.][A-Za-z0-9 _.+äΩ-]{0,8}[A-Za-z0-9_.+]"
 }
 
 prop_compose! {
@@ -27,6 +27,8 @@ prop_compose! {
         fwhm in decimal(1, 100),
         field in 0..3_u8,
         side in decimal(1, 100),
+        noise in proptest::option::of(decimal(1, 1000)),
+        channels in proptest::collection::vec((name(), decimal(200, 900)), 0..3),
         detectors in proptest::collection::vec((name(), decimal(-180, 180)), 0..3),
     ) -> String {
         let mut text = format!("[[telescope]]\nname = \"{name}{index}\"\nfwhm_arcmin = {fwhm}\n");
@@ -40,6 +42,14 @@ prop_compose! {
             0 => {}
             1 => text += &format!("field_of_view = {{ radius_deg = {side} }}\n"),
             _ => text += &format!("field_of_view = {{ width_deg = {side}, height_deg = 1.50 }}\n"),
+        }
+        if let Some(noise) = noise {
+            text += &format!("net_uk_rts = {noise}\nbandwidth_ghz = 100\nknee_mhz = {noise}\n");
+        }
+        for (number, (name, frequency)) in channels.iter().enumerate() {
+            text += &format!(
+                "[[telescope.channel]]\nname = \"{name}{number}\"\nfrequency_ghz = {frequency}\n"
+            );
         }
         for (number, (name, angle)) in detectors.iter().enumerate() {
             text += &format!(

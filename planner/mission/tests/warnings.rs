@@ -28,6 +28,16 @@ fn a_sky_that_is_not_full_is_a_warning() {
 }
 
 #[test]
+fn a_boresight_near_the_sun_is_a_warning() {
+    assert_eq!(
+        warnings(&["scan.alpha_deg=60", "scan.beta_deg=80"]),
+        ["the boresight comes within 40 deg of the Sun (180 - scan.alpha_deg - scan.beta_deg); \
+          less than 45 deg is warned of"]
+    );
+    assert_eq!(warnings(&["scan.alpha_deg=60", "scan.beta_deg=75"]), [""; 0]);
+}
+
+#[test]
 fn a_weight_of_no_target_is_a_warning() {
     let of = |weights: &str| {
         let weights = format!("calibration.schedule.weights={weights}");

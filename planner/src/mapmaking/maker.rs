@@ -160,6 +160,7 @@ impl<'s> Binner<'s> {
                 signal(&Sample {
                     detector: block.detector,
                     number: block.first + k as u64,
+                    pixel: sky.pixel[k],
                     stokes,
                     polarisation: (sky.psi[0][k], sky.psi[1][k]),
                     plate: (block.plate[0][k], block.plate[1][k]),

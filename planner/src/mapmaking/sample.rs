@@ -10,6 +10,8 @@ pub struct Sample {
     pub detector: usize,
     /// Number of the sample.
     pub number: u64,
+    /// NESTED pixel of the sky that it sees.
+    pub pixel: u32,
     /// I, Q, U (COSMO) of the sky.
     pub stokes: [f64; 3],
     /// Cosine and sine of the polarisation angle.
@@ -50,6 +52,7 @@ mod tests {
         Sample {
             detector: 0,
             number: 0,
+            pixel: 0,
             stokes,
             polarisation: pair(psi),
             plate: pair(phi),

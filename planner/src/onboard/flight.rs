@@ -4,10 +4,11 @@
 //! tick after the validity's start. While nothing is near, whole ticks are left out: the sequencer
 //! does nothing in them. The scan is the mission section's, and exact.
 //!
-//! Limits: of a telescope with so many detectors that a check takes longer than [`AHEAD`], the checks
-//! are given the time that they need; whoever flies it must choose `check_ahead` accordingly.
+//! Limits: of a telescope with so many detectors, or sessions of so many passes, that a check takes longer
+//! than [`AHEAD`], the checks are given the time that they need; whoever flies it must choose `check_ahead`
+//! accordingly ([`longest_checks`]).
 
-use super::judge::TOLERANCE;
+use super::judge::{TOLERANCE, ticks};
 use onboard_core::clock::ClockCorrelation;
 use onboard_core::sequencer::{
     AbortReason, Event, EventQueue, MAX_STEPS_PER_TICK, Progress, ScanEstimate, Sequencer,
@@ -49,7 +50,7 @@ pub fn fly(tables: &Tables<'_>) -> Result<Vec<(u32, NotFlown)>, SettingsError> {
     let flights: Result<Vec<_>, SettingsError> = by_telescope
         .par_iter()
         .filter_map(|sessions| Some((sessions.first()?.1.telescope, sessions)))
-        .map(|(telescope, sessions)| Ok(Flight::new(tables, telescope)?.fly(sessions)))
+        .map(|(telescope, sessions)| Ok(Flight::new(tables, telescope, sessions)?.fly(sessions)))
         .collect();
     let mut all = flights?.concat();
     all.sort_by_key(|it| it.0);
@@ -69,7 +70,11 @@ struct Flight<'t, 'a> {
 }
 
 impl<'t, 'a> Flight<'t, 'a> {
-    fn new(tables: &'t Tables<'a>, telescope: u16) -> Result<Self, SettingsError> {
+    fn new(
+        tables: &'t Tables<'a>,
+        telescope: u16,
+        sessions: &[(u32, SessionRecord)],
+    ) -> Result<Self, SettingsError> {
         let header = tables.header();
         let clock = ClockCorrelation {
             spacecraft: header.spacecraft,
@@ -92,7 +97,8 @@ impl<'t, 'a> Flight<'t, 'a> {
         };
         let mut sequencer = Sequencer::new(settings)?;
         sequencer.resume();
-        let unhurried = least_ticks(tables, telescope) > AHEAD.ns() / TICK.ns();
+        let checked = checked(tables, sessions.iter().map(|it| &it.1));
+        let unhurried = least_ticks(tables, telescope).max(checked) > AHEAD.ns() / TICK.ns();
         let (events, started, not_flown) = (EventQueue::new(), Vec::new(), Vec::new());
         Ok(Self { tables, sequencer, events, clock, unhurried, started, not_flown })
     }
@@ -164,6 +170,27 @@ impl<'t, 'a> Flight<'t, 'a> {
         }
         tick.check
     }
+}
+
+/// Ticks that the check of the session with most passes takes.
+fn checked<'s>(tables: &Tables<'_>, sessions: impl Iterator<Item = &'s SessionRecord>) -> i64 {
+    let most = sessions.max_by_key(|it| (it.passes, it.last_exit.since(it.first_entry).ns()));
+    most.map_or(0, |it| ticks(tables, it).into())
+}
+
+/// Telescopes of which the check of the session with most passes takes longer than [`AHEAD`], and the ticks
+/// that it takes.
+#[must_use]
+pub fn longest_checks(tables: &Tables<'_>) -> Vec<(u16, i64)> {
+    let sessions: Vec<SessionRecord> = tables.plan().sessions().collect();
+    let mut telescopes: Vec<u16> = sessions.iter().map(|it| it.telescope).collect();
+    telescopes.sort_unstable();
+    telescopes.dedup();
+    let of_one = |telescope| {
+        let own = sessions.iter().filter(move |it| it.telescope == telescope);
+        (telescope, checked(tables, own))
+    };
+    telescopes.into_iter().map(of_one).filter(|it| it.1 > AHEAD.ns() / TICK.ns()).collect()
 }
 
 /// Fewest ticks of a check: one to lay out each search, one to make it.

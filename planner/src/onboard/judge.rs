@@ -11,7 +11,7 @@ use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::scan::ScanStrategy;
 use onboard_core::sequencer::{MAX_STEPS_PER_TICK, Question, SessionCheck, SkipReason};
 use onboard_core::time::{Duration, Instant};
-use onboard_core::uplink::{MissionError, MissionTable, SessionRecord};
+use onboard_core::uplink::{MissionError, MissionTable, SessionRecord, Tables};
 use thiserror::Error;
 
 /// Why nothing can be judged.
@@ -79,13 +79,36 @@ impl<'t> Judge<'t> {
             tolerance: TOLERANCE,
             passes_tolerance: 0,
         };
-        loop {
-            if let Some(verdict) = check.verdict() {
-                return (verdict, check.pieces());
-            }
-            check.advance(&question, MAX_STEPS_PER_TICK);
-        }
+        let verdict = decide(&mut check, &question);
+        (verdict, check.pieces())
     }
+}
+
+fn decide(check: &mut SessionCheck, question: &Question<'_, '_>) -> Result<(), SkipReason> {
+    loop {
+        if let Some(verdict) = check.verdict() {
+            return verdict;
+        }
+        check.advance(question, MAX_STEPS_PER_TICK);
+    }
+}
+
+/// Ticks that the sequencer takes to check a session of the tables on board.
+pub(super) fn ticks(tables: &Tables<'_>, session: &SessionRecord) -> u32 {
+    let mission = tables.mission();
+    let header = tables.header();
+    let question = Question {
+        session,
+        mission,
+        ephemeris: tables.ephemeris(),
+        validity: (header.valid_from, header.valid_until),
+        tolerance: TOLERANCE,
+        passes_tolerance: 0,
+    };
+    let mut check = SessionCheck::WAITING;
+    check.start(&mission.strategy());
+    let _ = decide(&mut check, &question);
+    check.pieces()
 }
 
 /// How far the spacecraft's first entry and last exit may differ from the plan's, which are made of

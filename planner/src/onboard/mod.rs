@@ -9,7 +9,7 @@ mod record;
 mod judge;
 mod flight;
 
-pub use flight::{AHEAD, NotFlown, TICK, fly};
+pub use flight::{AHEAD, NotFlown, TICK, fly, longest_checks};
 pub use judge::{Judge, JudgeError};
 pub use record::{BeyondRecord, record};
 pub use section::{TooMany, mission_section};

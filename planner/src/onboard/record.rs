@@ -29,7 +29,7 @@ pub fn record(
         first_entry: opportunity.first_entry,
         last_exit: opportunity.last_exit,
         body: world.targets[opportunity.target].body(),
-        turn: u32::try_from(opportunity.turn).map_err(|_| BeyondRecord("precession turn"))?,
+        turn: u32::try_from(opportunity.number).map_err(|_| BeyondRecord("number"))?,
         telescope: u16::try_from(opportunity.telescope).map_err(|_| BeyondRecord("telescope"))?,
         passes: u16::try_from(passes).unwrap_or(u16::MAX),
     })

@@ -21,9 +21,12 @@
 //! ```
 
 mod sight_line;
+mod pass;
+mod bursts;
 mod opportunity;
 mod passes;
 
-pub use opportunity::{Opportunities, Opportunity, OpportunityError, Pass};
+pub use opportunity::{Opportunities, Opportunity, OpportunityError};
+pub use pass::Pass;
 pub use passes::{Found, Offers, OffersError, search};
 pub use sight_line::{FieldKey, NONE, SightError, SightLine, boresight, of_plan, select};

@@ -1,18 +1,21 @@
 //! Which chances to calibrate does a mission offer.
 //!
 //! A [`Pass`] is one transit of a target through a detector or a telescope's field of view. An
-//! [`Opportunity`] is all passes of one target over one telescope in one precession turn, the turn
-//! counted in completed turns since the mission's start at the pass's entry.
+//! [`Opportunity`] is passes of one target over one telescope that belong together as
+//! [`Sessions`] says: those of a precession turn, counted in completed turns since the
+//! mission's start at the pass's entry, or those with short pauses between them (`bursts.rs`).
 //!
-//! Method: one sort by target, telescope, turn and entry; the dwell of a telescope is the length of
+//! Method: one sort by target, telescope and entry; the dwell of a telescope is the length of
 //! the union of its passes, so that detectors seeing the target together count once. Integers only.
 //!
 //! Limits: a pass belongs to the turn of its entry. Where passes of two turns overlap in time (two
-//! detectors at the change of turn) each of the two opportunities holds its own dwell.
+//! detectors at the change of turn) each of the two opportunities holds its own dwell. A number that
+//! pauses decide changes where the first entry moves over a multiple of the longest pause.
 //!
 //! # Example
 //! Two detectors see a target together, in a turn of 2^43 ns (2.4 h):
 //! ```
+//! use mission::sessions::Sessions;
 //! use onboard_core::phase::{Phase, Rotor, TurnRate};
 //! use onboard_core::scan::{ScanParameters, ScanStrategy};
 //! use onboard_core::time::{Duration, Instant};
@@ -28,46 +31,30 @@
 //!     Pass { target: 0, telescope: 0, detector, entry, exit, closest, entry_clipped, exit_clipped }
 //! };
 //! let passes = [pass(0, at(60.0), at(90.0)), pass(1, at(80.0), at(120.0))];
-//! let found = Opportunities::group(&passes, &ScanStrategy::new(scan).expect("a legal scan"))?;
+//! let scan = ScanStrategy::new(scan).expect("a legal scan");
+//! let found = Opportunities::group(&passes, &scan, Sessions::ByTurn)?;
 //! assert_eq!((found.list().len(), found.list()[0].dwell), (1, Duration::from_seconds(60.0)));
 //! # Ok::<(), planner::opportunities::OpportunityError>(())
 //! ```
 
+use super::bursts;
+use super::pass::Pass;
+use mission::sessions::Sessions;
 use onboard_core::scan::ScanStrategy;
 use onboard_core::time::{Duration, Instant};
 use std::ops::Range;
 use thiserror::Error;
 
-/// One transit of a target over a detector, or over the field of view of a telescope.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pass {
-    /// Index of the target.
-    pub target: usize,
-    /// Index of the telescope.
-    pub telescope: usize,
-    /// Index of the detector on its telescope; 0 for a field of view.
-    pub detector: usize,
-    /// First instant inside.
-    pub entry: Instant,
-    /// Last instant inside.
-    pub exit: Instant,
-    /// Closest approach.
-    pub closest: Instant,
-    /// The target was inside already at the mission's start.
-    pub entry_clipped: bool,
-    /// The target was still inside at the mission's end.
-    pub exit_clipped: bool,
-}
-
-/// All passes of one target over one telescope in one precession turn.
+/// Passes of one target over one telescope that belong together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Opportunity {
     /// Index of the target.
     pub target: usize,
     /// Index of the telescope.
     pub telescope: usize,
-    /// Completed precession turns since the mission's start.
-    pub turn: u64,
+    /// Completed precession turns since the mission's start, or the number that its place on the scan
+    /// clock gives; no other of its target and telescope has it.
+    pub number: u64,
     /// Entry of the earliest pass.
     pub first_entry: Instant,
     /// Latest exit of any pass.
@@ -118,46 +105,52 @@ impl Opportunities {
     ///
     /// # Errors
     /// [`OpportunityError`] names the pass that cannot be placed.
-    pub fn group(passes: &[Pass], scan: &ScanStrategy) -> Result<Self, OpportunityError> {
+    pub fn group(
+        passes: &[Pass],
+        scan: &ScanStrategy,
+        sessions: Sessions,
+    ) -> Result<Self, OpportunityError> {
         let start = scan.parameters().start;
-        let mut keys = Vec::with_capacity(passes.len());
         for (index, pass) in passes.iter().enumerate() {
+            let (entry_tai_ns, exit_tai_ns) = (pass.entry.tai_ns(), pass.exit.tai_ns());
             if pass.exit < pass.entry {
-                return Err(OpportunityError::Reversed {
-                    index,
-                    entry_tai_ns: pass.entry.tai_ns(),
-                    exit_tai_ns: pass.exit.tai_ns(),
-                });
+                return Err(OpportunityError::Reversed { index, entry_tai_ns, exit_tai_ns });
             }
             if pass.entry < start {
-                return Err(OpportunityError::BeforeStart {
-                    index,
-                    entry_tai_ns: pass.entry.tai_ns(),
-                    start_tai_ns: start.tai_ns(),
-                });
+                let start_tai_ns = start.tai_ns();
+                return Err(OpportunityError::BeforeStart { index, entry_tai_ns, start_tai_ns });
             }
-            let (turn, _) = scan.turns(pass.entry);
-            keys.push((pass.target, pass.telescope, turn, pass.entry, pass.detector, index));
         }
-        keys.sort_unstable();
-        let order: Vec<usize> = keys.iter().map(|key| key.5).collect();
+        let mut order: Vec<usize> = (0..passes.len()).collect();
+        order.sort_unstable_by_key(|&index| {
+            let it = &passes[index];
+            (it.target, it.telescope, it.entry, it.detector, index)
+        });
         let mut list = Vec::new();
         let mut first = 0;
-        for group in keys.chunk_by(|a, b| (a.0, a.1, a.2) == (b.0, b.1, b.2)) {
-            let members = first..first + group.len();
-            first = members.end;
-            let times = order[members.clone()].iter().map(|&index| &passes[index]);
-            let (target, telescope, turn, first_entry, ..) = group[0];
-            let (dwell, last_exit) = union(first_entry, times);
-            list.push(Opportunity {
-                target,
-                telescope,
-                turn,
-                first_entry,
-                last_exit,
-                dwell,
-                members,
-            });
+        let seen_by = |index: &usize| (passes[*index].target, passes[*index].telescope);
+        for of_one in order.chunk_by(|a, b| seen_by(a) == seen_by(b)) {
+            let times: Vec<&Pass> = of_one.iter().map(|&index| &passes[index]).collect();
+            let groups = match sessions {
+                Sessions::ByTurn => by_turn(&times, scan),
+                Sessions::ByPause { .. } => bursts::by_pause(&times, start, sessions),
+            };
+            for (number, members) in groups {
+                let (dwell, last_exit) = union(times[members.clone()].iter().copied());
+                let members = first + members.start..first + members.end;
+                let Pass { target, telescope, entry: first_entry, .. } =
+                    passes[order[members.start]];
+                list.push(Opportunity {
+                    target,
+                    telescope,
+                    number,
+                    first_entry,
+                    last_exit,
+                    dwell,
+                    members,
+                });
+            }
+            first += of_one.len();
         }
         list.sort_unstable_by_key(|it: &Opportunity| (it.first_entry, it.target, it.telescope));
         Ok(Self { list, order })
@@ -169,6 +162,27 @@ impl Opportunities {
         &self.list
     }
 
+    /// Keeps those that lie within a span; the passes that are theirs, ascending, which from then on are all
+    /// that there are.
+    pub(super) fn keep_within(&mut self, (from, until): (Instant, Instant)) -> Vec<usize> {
+        self.list.retain(|it| it.first_entry >= from && it.last_exit <= until);
+        let mut kept: Vec<usize> = self
+            .list
+            .iter()
+            .flat_map(|it| self.order[it.members.clone()].iter().copied())
+            .collect();
+        kept.sort_unstable();
+        let mut order = Vec::with_capacity(kept.len());
+        for it in &mut self.list {
+            let first = order.len();
+            let places = self.order[it.members.clone()].iter();
+            order.extend(places.filter_map(|pass| kept.binary_search(pass).ok()));
+            it.members = first..order.len();
+        }
+        self.order = order;
+        kept
+    }
+
     /// Indices of an opportunity's passes in the slice that was grouped, by entry, then detector.
     #[must_use]
     pub fn passes(&self, opportunity: &Opportunity) -> &[usize] {
@@ -176,15 +190,27 @@ impl Opportunities {
     }
 }
 
+/// Passes of one target over one telescope, by entry, grouped by the turn of their entry.
+fn by_turn(passes: &[&Pass], scan: &ScanStrategy) -> Vec<(u64, Range<usize>)> {
+    let turns: Vec<u64> = passes.iter().map(|it| scan.turns(it.entry).0).collect();
+    let mut first = 0;
+    let group = |group: &[u64]| {
+        let members = first..first + group.len();
+        first = members.end;
+        (group[0], members)
+    };
+    turns.chunk_by(|a, b| a == b).map(group).collect()
+}
+
 /// Length of the union of intervals that come ordered by entry, and the latest exit.
-fn union<'a>(first: Instant, passes: impl Iterator<Item = &'a Pass>) -> (Duration, Instant) {
-    let (mut covered_to, mut dwell_ns) = (first, 0_i64);
+fn union<'a>(passes: impl Iterator<Item = &'a Pass>) -> (Duration, Instant) {
+    let (mut covered_to, mut dwell_ns) = (Instant::from_tai_ns(i64::MIN), 0_i64);
     for pass in passes {
         let fresh = pass.entry.max(covered_to);
         if pass.exit > fresh {
             dwell_ns = dwell_ns.saturating_add(pass.exit.since(fresh).ns());
-            covered_to = pass.exit;
         }
+        covered_to = covered_to.max(pass.exit);
     }
     (Duration::from_ns(dwell_ns), covered_to)
 }
@@ -232,11 +258,11 @@ mod tests {
             pass(1, 1, 0, (10, 20)),
             pass(1, 0, 0, (TURN_NS, TURN_NS + 9)),
         ];
-        let found = Opportunities::group(&passes, &scan(0)).unwrap();
+        let found = Opportunities::group(&passes, &scan(0), Sessions::ByTurn).unwrap();
         let seen: Vec<_> = found
             .list()
             .iter()
-            .map(|o| (o.target, o.telescope, o.turn, o.dwell.ns(), found.passes(o).to_vec()))
+            .map(|o| (o.target, o.telescope, o.number, o.dwell.ns(), found.passes(o).to_vec()))
             .collect();
         assert_eq!(
             seen,
@@ -256,7 +282,7 @@ mod tests {
         let times = [(10, 30), (20, 40), (22, 25), (40, 50), (60, 70), (65, 65)];
         let passes: Vec<_> =
             times.iter().enumerate().map(|(detector, &time)| pass(0, 0, detector, time)).collect();
-        let found = Opportunities::group(&passes, &scan(0)).unwrap();
+        let found = Opportunities::group(&passes, &scan(0), Sessions::ByTurn).unwrap();
         assert_eq!(found.list().len(), 1);
         assert_eq!(found.list()[0].dwell.ns(), 50);
         assert_eq!(found.list()[0].last_exit.tai_ns(), 70);
@@ -267,16 +293,29 @@ mod tests {
         let found = Opportunities::group(
             &[pass(0, 0, 0, (1_000 + TURN_NS, 2_000 + TURN_NS))],
             &scan(1_001),
+            Sessions::ByTurn,
         );
-        assert_eq!(found.unwrap().list()[0].turn, 0);
+        assert_eq!(found.unwrap().list()[0].number, 0);
+    }
+
+    #[test]
+    fn a_span_keeps_what_lies_within_it() {
+        let times = [(5, 8), (TURN_NS + 1, TURN_NS + 4), (2 * TURN_NS, 2 * TURN_NS + 9), (10, 20)];
+        let passes: Vec<_> =
+            times.iter().enumerate().map(|(detector, &time)| pass(0, 0, detector, time)).collect();
+        let mut found = Opportunities::group(&passes, &scan(0), Sessions::ByTurn).unwrap();
+        let at = Instant::from_tai_ns;
+        assert_eq!(found.keep_within((at(5), at(2 * TURN_NS + 8))), [0, 1, 3]);
+        let seen: Vec<_> = found.list().iter().map(|it| found.passes(it).to_vec()).collect();
+        assert_eq!(seen, [vec![0, 2], vec![1]]);
     }
 
     #[test]
     fn impossible_passes_are_named() {
-        let reversed = Opportunities::group(&[pass(0, 0, 0, (20, 10))], &scan(0));
+        let reversed = Opportunities::group(&[pass(0, 0, 0, (20, 10))], &scan(0), Sessions::ByTurn);
         assert!(matches!(reversed, Err(OpportunityError::Reversed { index: 0, .. })));
-        let early = Opportunities::group(&[pass(0, 0, 0, (-20, 10))], &scan(0));
+        let early = Opportunities::group(&[pass(0, 0, 0, (-20, 10))], &scan(0), Sessions::ByTurn);
         assert!(matches!(early, Err(OpportunityError::BeforeStart { index: 0, .. })));
-        assert!(Opportunities::group(&[], &scan(0)).unwrap().list().is_empty());
+        assert!(Opportunities::group(&[], &scan(0), Sessions::ByTurn).unwrap().list().is_empty());
     }
 }

@@ -3,11 +3,13 @@
 //! Method: one channel of the flight core's finder for each pair, run in parallel; then sorted by
 //! entry, target and line of sight. The ground adds nothing to the mathematics.
 
-use super::opportunity::{Opportunities, OpportunityError, Pass};
+use super::opportunity::{Opportunities, OpportunityError};
+use super::pass::Pass;
 use super::sight_line::{FieldKey, SightError, SightLine, of_plan};
 use crate::visits::transits;
 use crate::world::{TableFault, Tables, World, body};
 use onboard_core::ephemeris::EphemerisTable;
+use onboard_core::time::Instant;
 use onboard_core::transit::{Channel, Transit};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -54,7 +56,7 @@ pub enum OffersError {
 pub struct Offers {
     /// Its lines of sight.
     pub lines: Vec<SightLine>,
-    /// All transits through them.
+    /// All transits through them; in a window of the mission, those of the opportunities within it.
     pub found: Vec<Found>,
     /// Their opportunities.
     pub opportunities: Opportunities,
@@ -67,14 +69,22 @@ impl Offers {
     /// [`OffersError`] where the fitted tables do not serve their own span.
     pub fn find(world: &World, tables: &Tables) -> Result<Self, OffersError> {
         let lines = of_plan(&world.mission)?;
-        let found = search(world, tables.parse()?, &lines)?;
+        let found = search_in(world, tables.parse()?, &lines, world.reach())?;
         let passes = passes(&found, &lines)?;
-        let opportunities = Opportunities::group(&passes, &world.scan)?;
+        let mut opportunities =
+            Opportunities::group(&passes, &world.scan, world.mission.sessions())?;
+        let span = (world.start, world.end);
+        let found = if world.reach() == span {
+            found
+        } else {
+            let kept = opportunities.keep_within(span);
+            kept.into_iter().map(|pass| found[pass]).collect()
+        };
         Ok(Self { lines, found, opportunities })
     }
 }
 
-/// All transits over the mission, by entry, then target, then line of sight.
+/// All transits over the mission, or its window, by entry, then target, then line of sight.
 ///
 /// # Errors
 /// [`OffersError`] where the fitted tables do not serve their own span.
@@ -82,6 +92,15 @@ pub fn search(
     world: &World,
     table: EphemerisTable<'_>,
     lines: &[SightLine],
+) -> Result<Vec<Found>, OffersError> {
+    search_in(world, table, lines, (world.start, world.end))
+}
+
+fn search_in(
+    world: &World,
+    table: EphemerisTable<'_>,
+    lines: &[SightLine],
+    span: (Instant, Instant),
 ) -> Result<Vec<Found>, OffersError> {
     let sun = world.sun(table)?;
     // Lines of sight that see the same are searched once.
@@ -101,7 +120,7 @@ pub fn search(
                 sun,
                 body(table, source.body())?,
                 &lines[group[0]].field,
-                (world.start, world.end),
+                span,
             );
             let transits = transits(channel).map_err(|error| OffersError::Search {
                 target: source.name().to_owned(),

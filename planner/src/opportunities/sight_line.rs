@@ -5,7 +5,7 @@
 //! `calibration.radius_deg`; one with detectors through each of them.
 
 use mission::telescope::{NamedDetector, Telescope};
-use mission::{Mission, nearest_first};
+use mission::{Mission, in_any_case, nearest_first};
 use onboard_core::field_of_view::{FieldOfView, FieldOfViewError, FieldShape};
 use onboard_core::frame::{Boresight, Detector};
 use onboard_core::phase::Rotor;
@@ -201,7 +201,9 @@ pub fn select(
     }
     let mut telescopes: Vec<(usize, &Telescope)> = mission.telescopes.iter().enumerate().collect();
     if let Some(name) = telescope_name {
-        telescopes.retain(|(_, it)| it.name == name);
+        let known: Vec<&str> = mission.telescopes.iter().map(|it| it.name.as_str()).collect();
+        let found = in_any_case(name, &known);
+        telescopes.retain(|(_, it)| Some(it.name.as_str()) == found);
         if telescopes.is_empty() {
             return Err(SightError::NoSuchTelescope {
                 name: name.to_owned(),
@@ -214,7 +216,7 @@ pub fn select(
             lines.extend(of_telescope(mission, *index, it)?);
             Ok(lines)
         }),
-        Some("all") => {
+        Some(all) if all.eq_ignore_ascii_case("all") => {
             let named = named_detectors(&telescopes);
             if named.is_empty() {
                 return Err(SightError::NoDetectors);
@@ -242,8 +244,13 @@ fn one_detector(
 ) -> Result<SightLine, SightError> {
     let named = named_detectors(telescopes);
     let full = |((_, it), detector): &Named<'_>| format!("{}/{}", it.name, detector.name);
-    let matching: Vec<_> =
-        named.iter().filter(|it| it.1.name == name || full(it) == name).collect();
+    let exact: Vec<_> = named.iter().filter(|it| it.1.name == name || full(it) == name).collect();
+    let is = |text: &str| text.eq_ignore_ascii_case(name);
+    let matching = if exact.is_empty() {
+        named.iter().filter(|it| is(&it.1.name) || is(&full(it))).collect()
+    } else {
+        exact
+    };
     match matching[..] {
         [(of, found)] => detector(mission, *of, found),
         [] => Err(SightError::NoSuchDetector {

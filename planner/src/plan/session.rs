@@ -15,7 +15,7 @@ use onboard_core::transit::Transit;
 /// One session.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Session {
-    /// Telescope, target and precession turn.
+    /// Telescope, target and number of the opportunity.
     pub id: String,
     /// Target's name.
     pub target: String,
@@ -54,11 +54,11 @@ pub struct SessionPass {
     pub hwp_rad: Option<f64>,
 }
 
-/// The id of an opportunity's session: telescope, target and precession turn.
+/// The id of an opportunity's session: telescope, target and number.
 #[must_use]
 pub fn session_id(world: &World, it: &Opportunity) -> String {
     let telescope = &world.mission.telescopes[it.telescope].name;
-    format!("{telescope}-{}-{:06}", world.targets[it.target].name(), it.turn)
+    format!("{telescope}-{}-{:06}", world.targets[it.target].name(), it.number)
 }
 
 impl Scene<'_> {

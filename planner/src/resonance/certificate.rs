@@ -40,6 +40,12 @@ const FLOOR_POINTS: u32 = 101;
 /// The floor is sought within this share of the precession period.
 const FLOOR_RANGE: f64 = 0.0025;
 
+/// Most pairs of frequencies that come close: time and memory grow with them. LiteBIRD has some 4,000.
+pub(super) const MOST_MEETINGS: usize = 300_000;
+
+/// Most of them where periods are recommended, for which some hundred boxes are bounded.
+pub(super) const MOST_RECOMMENDED: usize = 40_000;
+
 /// Why there is no certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum CertificateError {
@@ -65,6 +71,18 @@ pub enum CertificateError {
         precession_period_s: f64,
         /// Spin period in seconds.
         spin_period_s: f64,
+    },
+    /// Too many frequencies of precession, spin and orbit beat with each other.
+    #[error(
+        "periods of {precession_period_s} s and {spin_period_s} s beat at {meetings} pairs of frequencies or more; up to {MOST_MEETINGS} are judged"
+    )]
+    Meetings {
+        /// Precession period in seconds.
+        precession_period_s: f64,
+        /// Spin period in seconds.
+        spin_period_s: f64,
+        /// Pairs of frequencies that come close.
+        meetings: usize,
     },
     /// A rate that varies too much, or a latitude beyond a radian.
     #[error(

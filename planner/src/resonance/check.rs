@@ -25,7 +25,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::certificate::{Certificate, CertificateError};
+use super::certificate::{Certificate, CertificateError, MOST_MEETINGS, MOST_RECOMMENDED};
+use super::coefficients::reach;
 use super::crosslink::Crosslink;
 use super::motion::Tolerance;
 use super::motion::{Motion, YEAR_S};
@@ -128,9 +129,9 @@ impl ResonanceCheck {
         };
         let beyond = Sky { trajectory: Trajectory::l2(), ..world.sky.clone() };
         let direction = |share: f64| -> Result<[f64; 2], CheckError> {
-            let at = world.start.plus(Duration::from_seconds(share * duration_s));
+            let at = world.zero().plus(Duration::from_seconds(share * duration_s));
             // Beyond the mission a trajectory may end; L2 has its longitude.
-            let sky = if at <= world.end { &world.sky } else { &beyond };
+            let sky = if at <= world.mission_span().1 { &world.sky } else { &beyond };
             let direction = sky.sun_to_spacecraft(at)?;
             Ok([direction.longitude_rad(), direction.latitude_rad()])
         };
@@ -179,6 +180,13 @@ impl ResonanceCheck {
     pub fn certify(&mut self) -> Result<Checked, CertificateError> {
         let Self { predictor, motion, demand } = self;
         let motion = motion.checked()?;
+        let meetings = predictor.meetings(&motion, 2.0 * reach(&motion), MOST_MEETINGS);
+        if meetings > MOST_MEETINGS {
+            let (precession_period_s, spin_period_s) =
+                (motion.precession_period_s, motion.spin_period_s);
+            let error = CertificateError::Meetings { precession_period_s, spin_period_s, meetings };
+            return Err(error);
+        }
         let floor = predictor.floor(&motion);
         let limit = [floor, demand.allowed];
         let certificate = predictor.certify(&motion, demand.tolerance, &demand.orbit, limit)?;
@@ -195,7 +203,8 @@ impl ResonanceCheck {
         Ok(predictor.certify(motion, tolerance, &demand.orbit, limit)?.passes)
     }
 
-    /// The best of candidate pairs of periods in seconds, unsigned.
+    /// The best of candidate pairs of periods in seconds, unsigned; none where so many frequencies beat that
+    /// it would take minutes.
     ///
     /// # Errors
     /// As [`Self::certify`].
@@ -203,6 +212,10 @@ impl ResonanceCheck {
         &mut self,
         candidates: &[[f64; 2]],
     ) -> Result<Option<Recommendation>, CertificateError> {
+        let width = 2.0 * reach(&self.motion);
+        if self.predictor.meetings(&self.motion, width, MOST_RECOMMENDED) > MOST_RECOMMENDED {
+            return Ok(None);
+        }
         let signs = [self.motion.precession_period_s, self.motion.spin_period_s].map(f64::signum);
         let signed: Vec<[f64; 2]> =
             candidates.iter().map(|&[a, b]| [a * signs[0], b * signs[1]]).collect();

@@ -22,7 +22,7 @@ use super::motion::Motion;
 use super::power::Term;
 use super::predictor::{Predictor, SMOOTH};
 use super::ring_sums::{COLUMNS, Columns, Complex, Longitudes, Rings, to_f64};
-use super::wigner::wigner_d;
+use crate::harmonics::wigner::wigner_d;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -15,7 +15,7 @@
 use super::motion::Motion;
 use super::power::Term;
 use super::predictor::Predictor;
-use super::wigner::wigner_d;
+use crate::harmonics::wigner::wigner_d;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// `sigma_hits / mean` of each half of the sky, relative to the half's own mean.

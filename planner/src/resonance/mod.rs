@@ -35,10 +35,8 @@
 //! # }
 //! ```
 
-mod wigner;
 mod motion;
 mod coefficients;
-mod quadrature;
 mod window;
 mod local_window;
 mod orbit;
@@ -54,6 +52,7 @@ mod actuator;
 mod recommendation;
 pub mod check;
 
+pub use crate::harmonics::wigner::{MAX_L, wigner_d};
 pub use actuator::{Actuator, MOST_PERIODS, time_within, tolerance_after};
 pub use certificate::{Certificate, CertificateError, MOST_SLICES, Worst};
 pub use crosslink::{Crosslink, LEAST_HITS, MAX_ORDER, mean_of_d};
@@ -63,5 +62,4 @@ pub use orbit::Orbit;
 pub use power::{NEGLIGIBLE, Prediction, Resonance};
 pub use predictor::Predictor;
 pub use recommendation::{Choice, Demand, MOST_TOLERANCES, Recommendation, SHORTLIST};
-pub use wigner::{MAX_L, wigner_d};
 pub use window::{DEGREES_PER_NSIDE, Window, WindowError};

@@ -18,7 +18,7 @@
 
 use super::coefficients::{REACH, sinc};
 use super::motion::Motion;
-use super::quadrature::gauss_legendre;
+use crate::harmonics::quadrature::gauss_legendre;
 use pulp::{Arch, NullaryFnOnce};
 use std::f64::consts::{PI, TAU};
 

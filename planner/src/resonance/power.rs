@@ -21,7 +21,7 @@
 use super::coefficients::{coefficients, from_polar, reach, sinc, times};
 use super::motion::Motion;
 use super::predictor::{Pair, Predictor, SMOOTH, gcd};
-use super::wigner::wigner_d;
+use crate::harmonics::wigner::wigner_d;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 

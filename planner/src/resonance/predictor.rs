@@ -10,8 +10,8 @@
 //! Limits: pairs whose power cannot exceed [`NEGLIGIBLE_PAIR`] at any m are left out.
 
 use super::motion::Motion;
-use super::wigner::{LANES, MAX_L, RightAngle, fill_wigner_d, wigner_d};
 use super::window::Window;
+use crate::harmonics::wigner::{LANES, MAX_L, RightAngle, fill_wigner_d, wigner_d};
 use pulp::{Arch, NullaryFnOnce};
 use std::collections::BTreeMap;
 
@@ -172,6 +172,40 @@ impl Predictor {
                     continue;
                 }
                 found.extend(self.pair(k, j));
+            }
+        }
+        found
+    }
+
+    /// How many pairs of frequencies stand so close to each other that they interfere, counted to
+    /// `most`.
+    pub(super) fn meetings(&self, motion: &Motion, width: f64, most: usize) -> usize {
+        let l_max = self.l_max();
+        let limit = f64::from(l_max) + width;
+        let slope = motion.standing(1, 0);
+        let mut standing = Vec::new();
+        for j in -l_max..=l_max {
+            let at_zero = motion.standing(0, j);
+            let ends = [(-limit - at_zero) / slope, (limit - at_zero) / slope];
+            let low = ends[0].min(ends[1]).ceil().max(0.0);
+            let high = ends[0].max(ends[1]).floor().min(f64::from(l_max));
+            if low > high || (low - high).is_nan() {
+                continue;
+            }
+            #[expect(clippy::cast_possible_truncation, reason = "within 0 to l_max")]
+            let (low, high) = (low as i32, high as i32);
+            let seen = |k: &i32| visible(self.alpha_rad, self.beta_rad, [*k, j, l_max]);
+            standing.extend((low..=high).filter(seen).map(|k| motion.standing(k, j)));
+        }
+        standing.sort_by(f64::total_cmp);
+        let (mut first, mut found) = (0, 0_usize);
+        for (index, at) in standing.iter().enumerate() {
+            while standing[first] < at - width {
+                first += 1;
+            }
+            found = found.saturating_add(index - first);
+            if found > most {
+                break;
             }
         }
         found

@@ -3,7 +3,7 @@
 //! For one m, not negative, and one spin n: `sum_l c_l w_l d^l_mn(theta)` on all [`Rings`], for
 //! several `c_l` at once; then, ring by ring, `sum_m c_m exp(i m phi)` at equal steps of phi from zero.
 //!
-//! Method: the recurrence of [`super::wigner`] for several rings side by side, compiled for the
+//! Method: the recurrence of [`crate::harmonics`] for several rings side by side, compiled for the
 //! instruction set that is there; values that f64 does not hold carry a scale and count once they
 //! are above 1e-77. The rings lie in equal steps of theta and mirror each other, since
 //! `d^l_(-m)n(theta) = (-1)^(l + n) d^l_mn(pi - theta)`: a sum for -m on a ring is one for m on its
@@ -13,8 +13,8 @@
 //! Limits: rings far beyond the turning point of the last degree are taken for zero.
 
 use super::local_window::fill;
-use super::wigner::{LARGE, Scaled, UNIT, log2_factorial};
 use super::window::Window;
+use crate::harmonics::wigner::{LARGE, Scaled, UNIT, log2_factorial};
 use pulp::Arch;
 use std::f64::consts::{PI, TAU};
 
@@ -287,8 +287,8 @@ pub(super) fn to_f64(count: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::wigner::wigner_d;
     use super::*;
+    use crate::harmonics::wigner::wigner_d;
 
     #[test]
     fn rings_meet_the_functions_one_by_one() {

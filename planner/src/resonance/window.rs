@@ -23,8 +23,8 @@
 //! `meets_pair_averages_over_true_pixels`).
 
 use super::coefficients::sinc;
-use super::quadrature::gauss_legendre;
-use super::wigner::MAX_L;
+use crate::harmonics::quadrature::gauss_legendre;
+use crate::harmonics::wigner::MAX_L;
 use crate::healpix::Nside;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, LN_2, PI};
 use thiserror::Error;

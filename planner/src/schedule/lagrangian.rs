@@ -7,7 +7,8 @@
 //! schedule is better; those sessions without which a season falls short are at last fixed, and labels fill
 //! the rest by true values.
 //!
-//! Limits: under demands, few or many sessions ([`FEW`], [`ALL_PRICED`]); [`ROUNDS`] rounds; the bound is that of the relaxation's multipliers.
+//! Limits: rules that link far times are dualised for few or many sessions only ([`BETWEEN`]); [`ROUNDS`]
+//! rounds; the bound is that of the relaxation's multipliers.
 
 use super::check::check;
 use super::joint::Built;
@@ -19,18 +20,20 @@ use crate::program::{Charged, Choice, Dualised, Family, Gain, charged, grow};
 use crate::progress::{Progress, StopOnly};
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 
 /// Rounds of multipliers.
 const ROUNDS: usize = 12;
 /// Rounds of rows of families in the relaxation.
 const ROW_ROUNDS: usize = 8;
-/// From so many sessions on to [`ALL_PRICED`] the programme alone is quicker where there are demands.
-const FEW: usize = 60;
-/// Up to so many sessions the relaxation prices thermal windows and the memory, too.
-const ALL_PRICED: usize = 15_000;
+/// Numbers of sessions at which the programme does better where rules link far times, and where thermal
+/// windows or the memory leave labels too many.
+const BETWEEN: RangeInclusive<usize> = 60..=15_000;
 /// Comparisons of labels in a round, and in a last pass.
 const SHORT: u64 = EFFORT / 40;
 const LONG: u64 = EFFORT / 2;
+/// The same before the programme, where it does better.
+const BEFORE: u64 = EFFORT / 200;
 /// By which part of itself, and of the sessions' mean value, the multiplier of a broken rule rises at first,
 /// and how that grows from round to round.
 const STEP: f64 = 0.05;
@@ -45,10 +48,9 @@ pub(super) struct Found {
     pub(super) bound: i128,
     /// It is the best.
     pub(super) exact: bool,
-    /// Multipliers of rows and cells in units; empty where all rules are the labels'.
+    /// Multipliers of rows and cells in units, 0 for thermal windows and the memory; empty where all rules
+    /// are the labels'.
     pub(super) multipliers: Multipliers,
-    /// The relaxation had all rows.
-    pub(super) all_priced: bool,
 }
 
 /// Prices of the programme's rows and slopes of its cells, in units.
@@ -70,55 +72,51 @@ pub(super) fn search(
     if built.program.choices.iter().filter(|it| **it == Choice::Always).count() < fixed.len() {
         return None;
     }
-    let count = built.model.sessions.len();
-    if !built.problem.demands.is_empty() && (FEW..=ALL_PRICED).contains(&count) {
-        return None;
-    }
     let linked = !built.program.cells.is_empty() || !built.angles.is_empty();
-    let all = count <= ALL_PRICED && !built.label_rows.is_empty();
-    if !linked && !all {
+    if !linked {
         let nothing = Multipliers { rows: vec![0.0; built.program.rows.len()], slopes: Vec::new() };
-        let dual = Dual::new((built, plain), Knows::Heat);
+        let dual = Dual::new((built, plain), false);
         let (items, constant) = dual.items(&nothing)?;
         progress.begin("labels", u64_from_usize(items.len()).saturating_mul(2));
-        let (found, bound) = labels::both(&items, EFFORT, progress)?;
+        let few = BETWEEN.contains(&built.model.sessions.len()) && !built.label_rows.is_empty();
+        let effort = if few { BEFORE } else { EFFORT };
+        let (found, bound) = labels::both(&items, effort, progress)?;
         let taken = dual.allowed(&found.taken).then_some(found.taken);
         let (bound, multipliers) = (bound + constant, Multipliers::default());
-        let all_priced = built.label_rows.is_empty();
-        return Some(Found { taken, bound, exact: found.exact, multipliers, all_priced });
+        return Some(Found { taken, bound, exact: found.exact, multipliers });
+    }
+    if BETWEEN.contains(&built.model.sessions.len()) {
+        return None;
     }
     progress.begin("relaxation", 1);
-    let multipliers = relaxed(built, all)?;
+    let multipliers = relaxed(built)?;
     progress.advance(1);
-    let bounding = Dual::new((built, plain), if all { Knows::Nothing } else { Knows::Heat });
-    let (items, constant) = bounding.items(&multipliers)?;
-    let dual = Dual::new((built, plain), Knows::Heat);
-    let linking = dual.without_known(multipliers.clone());
+    let dual = Dual::new((built, plain), false);
+    let (items, constant) = dual.items(&multipliers)?;
     progress.begin("labels", u64_from_usize(items.len()));
     let quiet = StopOnly(progress);
     let schedules = || {
-        let charged = dual.schedule(linking.clone(), &quiet);
+        let charged = dual.schedule(multipliers.clone(), &quiet);
         let gaps = !built.gaps.is_empty() && Further::knows_gaps(built);
-        let gaps = gaps.then(|| Dual::new((built, plain), Knows::Gaps));
-        let known = gaps.and_then(|it| it.schedule(linking.clone(), &quiet));
+        let gaps = gaps.then(|| Dual::new((built, plain), true));
+        let known = gaps.and_then(|it| it.schedule(multipliers.clone(), &quiet));
         let worth = |taken: &Vec<usize>| worth::objective(built, taken);
         // The first of equals.
         known.into_iter().chain(charged).max_by(|a, b| worth(a).total_cmp(&worth(b)))
     };
     let above = || labels::bound(&items, EFFORT, progress);
     let (taken, bound) = rayon::join(schedules, above);
-    let all_priced = all || built.label_rows.is_empty();
-    Some(Found { taken, bound: bound? + constant, exact: false, multipliers, all_priced })
+    Some(Found { taken, bound: bound? + constant, exact: false, multipliers })
 }
 
-/// The relaxation's multipliers; those of thermal windows and the memory are 0 unless all are asked for.
-fn relaxed(built: &mut Built<'_>, all: bool) -> Option<Multipliers> {
+/// The multipliers of the relaxation without thermal windows and the memory, which labels know.
+fn relaxed(built: &mut Built<'_>) -> Option<Multipliers> {
     let mut program = built.program.clone();
     let kept: Vec<usize> =
-        (0..program.rows.len()).filter(|it| all || !built.label_rows.contains(it)).collect();
+        (0..program.rows.len()).filter(|it| !built.label_rows.contains(it)).collect();
     program.rows = kept.iter().map(|&it| built.program.rows[it].clone()).collect();
     let asked: Vec<usize> = (0..built.families.len())
-        .filter(|&it| all || it < built.further_families || built.is_of_angles(it))
+        .filter(|&it| it < built.further_families || built.is_of_angles(it))
         .collect();
     let families: Vec<&dyn Family> = asked.iter().map(|&it| built.families[it].as_ref()).collect();
     let own = program.rows.len();
@@ -140,16 +138,6 @@ fn relaxed(built: &mut Built<'_>, all: bool) -> Option<Multipliers> {
     Some(Multipliers { rows, slopes })
 }
 
-/// What labels know beyond overlap, days and starts; multipliers do the rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Knows {
-    Nothing,
-    /// Thermal windows and the memory.
-    Heat,
-    /// These and gaps.
-    Gaps,
-}
-
 /// The Lagrangian relaxation that labels solve.
 struct Dual<'b> {
     built: &'b Built<'b>,
@@ -162,28 +150,13 @@ struct Dual<'b> {
 }
 
 impl<'b> Dual<'b> {
-    /// The relaxation for labels that know so much.
-    fn new((built, plain): (&'b Built<'_>, &'b Prices), knows: Knows) -> Dual<'b> {
-        let gaps = knows == Knows::Gaps;
+    /// Labels know thermal windows and the memory; gaps are charged by them or by multipliers.
+    fn new((built, plain): (&'b Built<'_>, &'b Prices), gaps: bool) -> Dual<'b> {
         let cells = built.program.cells.len();
         let cells_until = if gaps { cells - built.gaps.len() } else { cells };
         let worth = if gaps { built.gap_prices().map(i128::from).sum() } else { 0 };
         let which = Dualised { rows_from: built.further, cells_until };
-        let further = match knows {
-            Knows::Nothing => Further::default(),
-            Knows::Heat | Knows::Gaps => Further::of(built, gaps),
-        };
-        Dual { built, plain, further, which, gaps: worth }
-    }
-
-    /// The multipliers without those of thermal windows and the memory.
-    fn without_known(&self, mut at: Multipliers) -> Multipliers {
-        let built = self.built;
-        let grown = built.grown.iter().filter(|it| !built.is_of_angles(it.1)).map(|it| it.0);
-        for row in built.label_rows.clone().chain(grown) {
-            at.rows[row] = 0.0;
-        }
-        at
+        Dual { built, plain, further: Further::of(built, gaps), which, gaps: worth }
     }
 
     /// What labels visit at some multipliers, and what to add to their values.

@@ -51,7 +51,7 @@ const ALONE_WORK: usize = 15_000_000_000;
 /// many sessions. Over few, the programme may prove more.
 const NEAR: i128 = 1_000;
 const NEAR_DEMANDS: i128 = 100;
-/// Rounding of sums of f64, as a share of an objective; a bound further below its own schedule is a defect.
+/// Rounding of sums of f64, as a share of what is summed; a bound further below its own schedule is a defect.
 const ROUNDING: f64 = 1e-9;
 /// Rounds of rows of families before the search.
 const ROW_ROUNDS: usize = 8;
@@ -85,10 +85,7 @@ pub fn schedule_until(
         let search = Search::new(&built, &Prepared::NOTHING, regime, progress);
         return search.report((&found, &relaxed), screened);
     }
-    let prepared = match labelled {
-        Some(found) => Prepared::by_labels(&built, &found, regime),
-        None => Prepared::new(&mut built, &relaxed, regime, progress),
-    };
+    let prepared = Prepared::new(&mut built, (&relaxed, labelled), regime, progress);
     let search = Search::new(&built, &prepared, regime, progress);
     let found = search.run(&relaxed)?;
     search.report((&found, &relaxed), screened)
@@ -110,7 +107,7 @@ fn settled(built: &Built<'_>, found: &Labelled, regime: Regime) -> Option<Outcom
         return None;
     }
     // The labels' own rules have no multipliers: the relaxation has.
-    let (prices, slopes) = if found.all_priced {
+    let (prices, slopes) = if built.label_rows.is_empty() {
         (found.multipliers.rows.clone(), found.multipliers.slopes.clone())
     } else {
         relax(&built.program, &vec![0.0; built.program.values.len()])?.per_unit()
@@ -174,6 +171,7 @@ impl Regime {
 
 /// What is known before the programme is searched.
 struct Prepared {
+    labelled: Option<Labelled>,
     days: Option<Days>,
     /// Candidates and bound of a search by days, further rules dualised.
     charged: Option<(Vec<usize>, i128)>,
@@ -183,34 +181,27 @@ struct Prepared {
 
 impl Prepared {
     /// Nothing.
-    const NOTHING: Self = Self { days: None, charged: None, ready: None };
+    const NOTHING: Self = Self { labelled: None, days: None, charged: None, ready: None };
 
-    /// What labels found, and the programme's relaxation.
-    fn by_labels(built: &Built<'_>, found: &Labelled, regime: Regime) -> Self {
-        let model = built.model;
-        let taken = found.taken.as_ref().map(|taken| model.candidates(taken)).unwrap_or_default();
-        let nothing = || vec![0.0; model.sessions.len()];
-        let ready = if regime.many() { relax(&built.program, &nothing()) } else { None };
-        Self { days: None, charged: Some((taken, found.bound)), ready }
-    }
-
-    /// The search by days, and beside it the programme's relaxation with rows of its families, which may
+    /// What labels found; the search by days where they did not serve or demands join the days, and beside
+    /// it the programme's relaxation with rows of its families, which may
     /// give a second search by days; the programme keeps the rows.
     fn new(
         built: &mut Built<'_>,
-        relaxed: &Relaxed,
+        (relaxed, labelled): (&Relaxed, Option<Labelled>),
         regime: Regime,
         progress: &dyn Progress,
     ) -> Self {
+        let by_days = regime.by_days && (labelled.is_none() || regime.together());
         let (problem, model) = (built.problem, built.model);
         let own_rows = built.program.rows.len();
         let families: Vec<&dyn Family> = built.families.iter().map(AsRef::as_ref).collect();
         let (program, offset, further) = (&mut built.program, built.offset, built.further);
         // Clarabel works alone meanwhile.
         let (days, (charged, (ready, grown))) = rayon::join(
-            || regime.by_days.then(|| Days::new(problem, (model, relaxed), progress)),
+            || by_days.then(|| Days::new(problem, (model, relaxed), progress)),
             || {
-                if regime.by_days && regime.together() {
+                if by_days && regime.together() {
                     let (ready, grown) = grow(program, &families, (ROW_ROUNDS, offset));
                     let charged = ready.as_ref().map(|ready| {
                         let (rows, slopes) = ready.per_unit();
@@ -227,8 +218,8 @@ impl Prepared {
             },
         );
         built.rules.resize(built.program.rows.len(), None);
-        built.grown = (own_rows..).zip(grown).collect();
-        Self { days, charged, ready }
+        built.grown.extend((own_rows..).zip(grown));
+        Self { labelled, days, charged, ready }
     }
 }
 
@@ -322,16 +313,20 @@ impl<'s> Search<'s> {
         let previous = self.built.problem.demands.previous.as_ref().map(|it| &it.sessions);
         let charged = self.prepared.charged.as_ref().map(|it| &it.0);
         let days = self.prepared.days.as_ref().map(|it| &it.chosen);
-        let charged = charged.filter(|it| !it.is_empty());
-        let start = charged.or(previous).or(days);
+        if let Some(taken) = self.prepared.labelled.as_ref().and_then(|it| it.taken.clone()) {
+            return taken;
+        }
+        let start = previous.or(charged).or(days);
         start.map(|candidates| self.sessions_of(candidates)).unwrap_or_default()
     }
 
-    /// The least bound by days, in the programme's units.
+    /// The least bound by labels and by days, in the programme's units.
     fn known(&self) -> Option<i128> {
         let units = self.prepared.days.as_ref().and_then(|it| it.units);
         let plain = units.map(|bound| bound + self.built.offset);
-        plain.into_iter().chain(self.prepared.charged.as_ref().map(|it| it.1)).min()
+        let charged = self.prepared.charged.as_ref().map(|it| it.1);
+        let labelled = self.prepared.labelled.as_ref().map(|it| it.bound);
+        plain.into_iter().chain(charged).chain(labelled).min()
     }
 
     /// Sessions of candidates, where they could stand.
@@ -366,7 +361,9 @@ impl<'s> Search<'s> {
         if let Some(days) = &self.prepared.days {
             upper_bound = upper_bound.min(days.bound);
         }
-        if objective - upper_bound > ROUNDING * objective.abs().max(1e-300) {
+        // Charges may cancel what the sessions bring.
+        let size = objective.abs() + built.value(f64_from_i128(built.offset)).abs();
+        if objective - upper_bound > ROUNDING * size {
             return Err(ScheduleError::BoundBelow { objective, upper_bound });
         }
         let upper_bound = upper_bound.max(objective);

@@ -60,6 +60,16 @@ pub(super) fn phase_at(rotor: Rotor, j: u64) -> Phase {
     rotor.phase(Duration::from_ns(j.cast_signed()))
 }
 
+/// Twice the most that the rounding of a rate and of a start can be off, in 2^-64 turns.
+const ROUNDING: u64 = 8;
+
+/// The same for a half-wave plate: a phase that only rounding keeps from a whole turn is zero, since
+/// half-integer multiples of it jump there.
+pub(super) fn plate_phase_at(rotor: Rotor, j: u64) -> Phase {
+    let phase = phase_at(rotor, j);
+    if phase.bits() > u64::MAX - ROUNDING { Phase::ZERO } else { phase }
+}
+
 /// Radians per sample of a rate on the sample clock, in [-pi, pi).
 pub(super) fn radians_per_sample(rate: TurnRate) -> f64 {
     rate.radians_per_second() * 1e-9
@@ -68,6 +78,18 @@ pub(super) fn radians_per_sample(rate: TurnRate) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_whole_turn_that_rounding_misses_is_zero() {
+        // 61 rpm at 19 Hz is 61/1140 turns per sample; floor(2^128 61/1140) is below it.
+        let bits = u128::MAX / 1140 * 61 + u128::MAX % 1140 * 61 / 1140;
+        let rotor = Rotor { rate: TurnRate::from_bits(bits), start: Phase::ZERO };
+        assert_eq!(phase_at(rotor, 1140).bits(), u64::MAX);
+        for turns in [1, 2, 1440, 1_000_000] {
+            assert_eq!(plate_phase_at(rotor, 1140 * turns), Phase::ZERO);
+        }
+        assert_eq!(plate_phase_at(rotor, 7), phase_at(rotor, 7));
+    }
 
     #[test]
     fn samples_and_instants_belong_together() {

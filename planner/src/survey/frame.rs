@@ -1,4 +1,4 @@
-//! The frame of a map: ecliptic or galactic.
+//! The frame of a map: ecliptic, galactic or equatorial.
 //!
 //! Galactic axes: x towards the galactic centre, z towards the galactic north pole, from ICRS by the
 //! Hipparcos catalogue's definition [ESA1997, vol. 1, 1.5.3]: pole at right ascension 192.85948 deg,
@@ -19,6 +19,8 @@ pub enum MapFrame {
     Ecliptic,
     /// Galactic longitude and latitude.
     Galactic,
+    /// Right ascension and declination, ICRF.
+    Equatorial,
 }
 
 const POLE_RIGHT_ASCENSION_DEG: f64 = 192.859_48;
@@ -31,6 +33,10 @@ impl MapFrame {
     pub fn from_ecliptic(self) -> Rotation<Ecliptic, Galactic> {
         match self {
             Self::Ecliptic => Rotation::about_z(0.0),
+            Self::Equatorial => {
+                let to_icrf = Rotation::<Icrf, Ecliptic>::by_obliquity().inverse();
+                to_icrf.then(Rotation::about_z(0.0))
+            }
             Self::Galactic => {
                 let to_icrf = Rotation::<Icrf, Ecliptic>::by_obliquity().inverse();
                 // R_z(180 deg - longitude) R_y(90 deg - declination) R_z(right ascension), inverted.
@@ -63,6 +69,16 @@ impl MapFrame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_celestial_pole_is_the_equatorial_z_axis() {
+        let pole = Direction::<Icrf>::new(0.0, 0.0, 1.0).unwrap();
+        let pole = Rotation::<Icrf, Ecliptic>::by_obliquity().apply(pole).xyz();
+        let axes = MapFrame::Equatorial.axes_in_ecliptic();
+        for (a, b) in axes[2].iter().zip(pole).chain(axes[0].iter().zip([1.0, 0.0, 0.0])) {
+            assert!((a - b).abs() < 1e-15, "{axes:?}");
+        }
+    }
 
     #[test]
     fn galactic_axes_are_those_of_astropy() {

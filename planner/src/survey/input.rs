@@ -41,7 +41,7 @@ pub struct SurveyInput {
     pub circular_sun: Option<ExactRotor>,
     /// Who looks.
     pub detectors: Vec<SurveyDetector>,
-    /// Samples of each detector: those before the mission's end.
+    /// Samples of each detector: those before the end.
     pub samples: u64,
 }
 
@@ -53,9 +53,10 @@ impl SurveyInput {
     /// or more between samples.
     pub fn new(world: &World, lines: &[SightLine], rate: &Number) -> Result<Self, SamplingError> {
         let scan = &world.mission.scan;
+        let elapsed = world.start.since(world.zero());
         let turning = |period: &Number, rotor: Rotor| ExactRotor {
             turns_per_s: period.times(sign(rotor) * 60, 1).recip(),
-            start: rotor.start,
+            start: rotor.phase(elapsed),
         };
         let scan = SampledScan {
             start: world.start,
@@ -68,16 +69,16 @@ impl SurveyInput {
         scan.check()?;
         let year = BigRational::from_integer(mission::orbit::CIRCULAR_YEAR_S.into());
         let circular_sun =
-            world.circular_sun.and_then(|sun| ExactRotor::with_period(&year, sun.start));
+            world.circular_sun.and_then(|sun| ExactRotor::with_period(&year, sun.phase(elapsed)));
         let detectors = lines
             .iter()
             .map(|line| SurveyDetector {
                 rotation: line.rotation,
-                plate: line.hwp.and_then(|plate| exact_plate(&world.mission, plate)),
+                plate: line.hwp.and_then(|plate| exact_plate(&world.mission, plate, elapsed)),
                 polarisation_rad: line.polarisation_rad,
             })
             .collect();
-        let samples = scan.samples_before(world.mission.span.duration);
+        let samples = scan.samples_before(world.end.since(world.start));
         Ok(Self { scan, circular_sun, detectors, samples })
     }
 
@@ -92,9 +93,9 @@ fn sign(rotor: Rotor) -> i64 {
     if rotor.rate.is_negative() { -1 } else { 1 }
 }
 
-/// A plate with its sense, from the text of the telescope that has it.
-fn exact_plate(mission: &Mission, plate: Rotor) -> Option<ExactRotor> {
+/// A plate with its sense, from the text of the telescope that has it, so long after the mission's start.
+fn exact_plate(mission: &Mission, plate: Rotor, elapsed: Duration) -> Option<ExactRotor> {
     let telescope = mission.telescopes.iter().find(|it| it.hwp == Some(plate))?;
     let turns_per_s = telescope.hwp_rate_rpm.as_ref()?.times(sign(plate), 60);
-    Some(ExactRotor { turns_per_s, start: plate.start })
+    Some(ExactRotor { turns_per_s, start: plate.phase(elapsed) })
 }

@@ -3,7 +3,7 @@
 //! It decides what the fast kernel leaves open (a sample too near the edge of a pixel), is what the
 //! kernel is tested against, and what its speed is compared with.
 
-use super::clock::phase_at;
+use super::clock::{phase_at, plate_phase_at};
 use super::frame::{Galactic, MapFrame};
 use super::moment::Moment;
 use super::runs::Run;
@@ -58,7 +58,7 @@ pub(super) fn sample(
     let attitude = attitude(sampled, on.frame, (detector, j))?;
     let n = attitude.apply(Direction::Z).xyz();
     let x = Direction::new(1.0, 0.0, 0.0).map_or([1.0, 0.0, 0.0], |it| attitude.apply(it).xyz());
-    let plate = sampled.detectors[detector].plate.map(|it| phase_at(it, j).turns() * TAU);
+    let plate = sampled.detectors[detector].plate.map(|it| plate_phase_at(it, j).turns() * TAU);
     Ok(Sample {
         pixel: pixel_of(on.nside, n),
         // East and north scaled by the sine of the colatitude: (-n_y, n_x, 0), and x . north = x_z.

@@ -111,7 +111,7 @@ impl Boundary {
     /// The same pixel of a map in this frame.
     #[must_use]
     pub fn in_frame(self, frame: MapFrame) -> Self {
-        Self { turn: (frame == MapFrame::Galactic).then(|| frame.from_ecliptic()), ..self }
+        Self { turn: (frame != MapFrame::Ecliptic).then(|| frame.from_ecliptic()), ..self }
     }
 
     /// Whether the pixel, its lower edges included, holds the direction.

@@ -50,11 +50,30 @@ pub enum FitsError {
     /// No table holds a map.
     #[error("holds no map: a binary table with PIXTYPE = 'HEALPIX' is needed")]
     NoMap,
-    /// Pixels are listed by number.
+    /// Pixels are listed by number, but one of the numbers is none.
     #[error(
-        "lists its pixels by number (INDXSCHM = 'EXPLICIT'); a whole sky with INDXSCHM = 'IMPLICIT' is needed"
+        "lists pixel {found} in column {column} (INDXSCHM = 'EXPLICIT'); each of {first} to {last} at most once is needed"
     )]
-    Explicit,
+    Pixel {
+        /// Column of the numbers.
+        column: String,
+        /// The number.
+        found: f64,
+        /// Number of the sky's first pixel.
+        first: u32,
+        /// Number of its last.
+        last: u32,
+    },
+    /// Pixels are listed by number in a column that has another length than the values'.
+    #[error("has {found} values in column {column}, but lists {needed} pixels")]
+    Listed {
+        /// Column.
+        column: String,
+        /// Values found.
+        found: usize,
+        /// Pixels listed.
+        needed: usize,
+    },
     /// Part of the sky.
     #[error("holds pixels {first} to {last}; a whole sky, 0 to {whole}, is needed")]
     Part {

@@ -6,10 +6,11 @@
 //! file's is turned round on reading.
 //!
 //! Method: [FITS4, section 7.3] for the bytes, the HEALPix keywords (`PIXTYPE`, `ORDERING`, `NSIDE`, ..)
-//! for their meaning. Unobserved pixels are NaN in memory and [`UNSEEN`] in a file.
+//! for their meaning. Unobserved pixels are NaN in memory and [`UNSEEN`] in a file; a file may name
+//! another value by `BAD_DATA`. Files may be compressed by gzip, list their pixels
+//! (`INDXSCHM = 'EXPLICIT'`), count from 1, or leave `NSIDE` to the number of values.
 //!
-//! Limits: whole skies with implicit pixel numbers, numeric columns, `nside` up to
-//! [`MAX_NSIDE`](planner::healpix::MAX_NSIDE).
+//! Limits: numeric columns, `nside` up to [`MAX_NSIDE`](planner::healpix::MAX_NSIDE).
 //!
 //! # Example
 //! A map as bytes, and back:
@@ -38,10 +39,12 @@ mod read;
 mod stokes;
 mod table;
 mod write;
+mod image;
 
 pub use card::{Card, CardValue};
 pub use error::{FitsError, FitsFileError};
-pub use read::{ColumnChoice, Frames, Map, read_map, read_map_from};
+pub use image::{Image, Plane, write_images};
+pub use read::{ColumnChoice, Columns, Frames, Map, read_columns, read_map, read_map_from};
 pub use stokes::{StokesMap, read_stokes, read_stokes_from};
 pub use write::{
     Column, MapHeader, Values, provenance_cards, write_maps, write_primary, write_table,
@@ -121,6 +124,7 @@ impl From<planner::survey::MapFrame> for MapFrame {
         match frame {
             planner::survey::MapFrame::Ecliptic => Self::Ecliptic,
             planner::survey::MapFrame::Galactic => Self::Galactic,
+            planner::survey::MapFrame::Equatorial => Self::Equatorial,
         }
     }
 }

@@ -66,11 +66,14 @@ pub fn read_stokes(path: &Path, frames: Frames) -> Result<StokesMap, FitsFileErr
 pub fn read_stokes_from(source: &mut dyn Read, frames: Frames) -> Result<StokesMap, FitsError> {
     let opened = Opened::of(source, frames)?;
     let table = &opened.table;
-    let found = table.fields.len();
+    let values = opened.value_columns();
+    let found = values.len();
     let columns = match NAMES.map(|names| opened.named(names)) {
         [Some(i), Some(q), Some(u)] => [i, q, u],
-        _ if found == 3 => [0, 1, 2],
-        _ => return Err(FitsError::Stokes { found, present: table.names() }),
+        _ => match values[..] {
+            [i, q, u] => [i, q, u],
+            _ => return Err(FitsError::Stokes { found, present: table.names() }),
+        },
     };
     let iau = match table.keywords.text("POLCCONV").map(str::trim) {
         None | Some("" | "COSMO") => false,

@@ -186,6 +186,20 @@ impl Table {
         Ok(Self { keywords, fields, rows, row_bytes })
     }
 
+    /// The first column with one of these names, in letters of any case.
+    pub(super) fn named(&self, names: &[&str]) -> Option<usize> {
+        let is = |found: &str| names.iter().any(|name| name.eq_ignore_ascii_case(found));
+        self.fields.iter().position(|field| is(&field.name))
+    }
+
+    /// The resolution whose whole sky the first column of numbers holds: 12 `nside`^2 values.
+    pub(super) fn nside_of_values(&self) -> Option<u32> {
+        let field = self.fields.iter().find(|it| it.is_numeric())?;
+        let values = field.repeat.checked_mul(self.rows)?;
+        let nside = u32::try_from((values / 12).isqrt()).ok()?;
+        (u64::from(nside).pow(2).checked_mul(12)? == values).then_some(nside)
+    }
+
     /// Names of all columns.
     pub(super) fn names(&self) -> String {
         let names: Vec<_> = self.fields.iter().map(|field| field.name.as_str()).collect();

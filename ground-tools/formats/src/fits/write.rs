@@ -142,7 +142,12 @@ pub fn write_table(
             written += row.len();
         }
     }
-    Ok(out.write_all(&vec![0; written.next_multiple_of(BLOCK) - written])?)
+    Ok(out.write_all(&vec![0; finished(written, BLOCK)])?)
+}
+
+/// Bytes that are missing to whole blocks.
+pub(super) const fn finished(written: usize, block: usize) -> usize {
+    written.next_multiple_of(block) - written
 }
 
 fn table_cards(header: &MapHeader, columns: &[Column], per_row: u32) -> Vec<Card> {
@@ -185,7 +190,7 @@ fn table_cards(header: &MapHeader, columns: &[Column], per_row: u32) -> Vec<Card
     cards
 }
 
-fn header_bytes(cards: &[Card]) -> Result<Vec<u8>, WriteError> {
+pub(super) fn header_bytes(cards: &[Card]) -> Result<Vec<u8>, WriteError> {
     if let Some(card) = cards.iter().find(|card| !card.is_legal()) {
         return Err(WriteError::Refused(format!("FITS card {card:?}")));
     }

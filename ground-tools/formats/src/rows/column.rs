@@ -35,6 +35,8 @@ pub enum Field<R> {
     Count(fn(&R) -> Option<u64>),
     /// Yes or no.
     Truth(fn(&R) -> bool),
+    /// Yes or no, where it is known.
+    MaybeTruth(fn(&R) -> Option<bool>),
     /// Text.
     Word(fn(&R) -> Option<Cow<'_, str>>),
     /// An instant, told in UTC.
@@ -55,6 +57,7 @@ impl<R> Field<R> {
             Self::Whole(of) => of(row).map_or(Cell::None, Cell::Whole),
             Self::Count(of) => of(row).map_or(Cell::None, Cell::Count),
             Self::Truth(of) => Cell::Truth(of(row)),
+            Self::MaybeTruth(of) => of(row).map_or(Cell::None, Cell::Truth),
             Self::Word(of) => of(row).map_or(Cell::None, Cell::Word),
             Self::Utc(of) => Cell::Utc(of(row)),
             Self::Tdb(of) => Cell::Tdb(of(row)),

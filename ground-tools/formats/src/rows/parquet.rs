@@ -79,7 +79,7 @@ fn schema<R>(columns: &[Column<R>]) -> Result<TypePtr, ParquetError> {
         let (physical, logical) = match column.field {
             Field::Number(_) => (PhysicalType::DOUBLE, None),
             Field::Whole(_) | Field::Count(_) => (PhysicalType::INT64, None),
-            Field::Truth(_) | Field::Word(_) => {
+            Field::Truth(_) | Field::MaybeTruth(_) | Field::Word(_) => {
                 (PhysicalType::BYTE_ARRAY, Some(LogicalType::String))
             }
             Field::Utc(_) | Field::MaybeUtc(_) => (PhysicalType::INT64, timestamp(true)),
@@ -131,7 +131,7 @@ impl<R> From<&Column<R>> for Values {
             | Field::Tdb(_)
             | Field::MaybeUtc(_)
             | Field::MaybeTdb(_) => Held::Wholes(Vec::new()),
-            Field::Truth(_) | Field::Word(_) => Held::Words(Vec::new()),
+            Field::Truth(_) | Field::MaybeTruth(_) | Field::Word(_) => Held::Words(Vec::new()),
         };
         Self { levels: Vec::new(), held }
     }

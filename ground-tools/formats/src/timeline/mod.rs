@@ -1,6 +1,6 @@
 //! The calibration timeline: sessions, what was left out and why, how far the rules are used.
 //!
-//! Built from a plan; written as JSON and as rows. Ids name telescope, target and precession turn, so
+//! Built from a plan; written as JSON and as rows. Ids name telescope, target and place on the scan clock, so
 //! they survive replanning.
 //!
 //! # Example
@@ -27,8 +27,10 @@ mod of_plan;
 mod words;
 mod table;
 mod difference;
+mod idle;
 
 pub use difference::{Difference, Entry, Moved};
+pub use idle::{Idle, idle};
 pub use of_plan::timeline;
 pub use types::{
     Against, Constraint, Loosened, Rejected, Session, SessionTransit, Signal, Timeline,

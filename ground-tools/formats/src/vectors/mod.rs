@@ -219,8 +219,8 @@ impl<'w> VectorSet<'w> {
         }
         let mut vectors = Vec::new();
         for elapsed in times {
-            let at = world.start.plus(elapsed);
-            let anti_sun = sun.state(world.start, at).map_err(TableFault)?;
+            let at = world.zero().plus(elapsed);
+            let anti_sun = sun.state(world.zero(), at).map_err(TableFault)?;
             let (precession, spin) = world.scan.phases(at);
             let (precession_count, spin_count) = world.scan.turns(at);
             for line in lines {

@@ -19,26 +19,29 @@ pub struct InstantArgs {
 }
 
 impl InstantArgs {
-    /// The elapsed times asked for, within a mission that is `whole` long.
+    /// The elapsed times asked for, within a window of elapsed times.
     ///
     /// # Errors
     /// [`Failure::Input`] names the instant that lies beyond.
     pub fn within(
         &self,
-        whole: Duration,
+        (from, until): (Duration, Duration),
     ) -> Result<impl Iterator<Item = Duration> + Clone + use<>, Failure> {
-        if let Some(beyond) = self.at.iter().find(|elapsed| **elapsed > whole) {
+        if let Some(beyond) = self.at.iter().find(|elapsed| !(from..=until).contains(*elapsed)) {
             return Err(Failure::Input(format!(
-                "--at {} lies beyond the mission: a number of seconds from 0 to {} is needed (or a \
+                "--at {} lies beyond the mission: a number of seconds from {} to {} is needed (or a \
                  longer --duration)",
                 beyond.seconds(),
-                whole.seconds()
+                from.seconds(),
+                until.seconds()
             )));
         }
         let at = self.at.clone();
         let step = self.step.map_or(0, Duration::ns);
-        let stepped = if step > 0 { whole.ns() / step + 1 } else { 0 };
-        Ok(at.into_iter().chain((0..stepped).map(move |index| Duration::from_ns(index * step))))
+        let stepped = if step > 0 { (until.ns() - from.ns()) / step + 1 } else { 0 };
+        Ok(at
+            .into_iter()
+            .chain((0..stepped).map(move |index| Duration::from_ns(from.ns() + index * step))))
     }
 }
 

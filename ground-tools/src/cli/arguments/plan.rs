@@ -57,6 +57,8 @@ pub struct RevisionArgs {
 pub enum Also {
     /// timeline.parquet: the timeline as Apache Parquet
     Parquet,
+    /// attitude.aem: the attitude as CCSDS AEM
+    Aem,
     /// attitude.xml: the AEM in XML
     AemXml,
     /// pointing-periods.csv: what is observed when, between sessions too
@@ -70,18 +72,22 @@ pub enum Also {
 }
 
 impl ProductArgs {
-    /// The products that were asked for, each once.
+    /// The products that were asked for, each once; attitudes of all the mission are an AEM's.
     #[must_use]
     pub fn also(&self) -> Vec<products::Also> {
         let all = self.also.contains(&Also::All);
         let pairs = [
             (Also::Parquet, products::Also::Parquet),
+            (Also::Aem, products::Also::Aem),
             (Also::AemXml, products::Also::AemXml),
             (Also::Ppl, products::Also::Ppl),
             (Also::Stk, products::Also::Stk),
             (Also::Ck, products::Also::Ck),
         ];
-        let wanted = |it: &&(Also, products::Also)| all || self.also.contains(&it.0);
+        let whole = self.also.is_empty() && self.aem_span == AttitudeSpan::All;
+        let wanted = |it: &&(Also, products::Also)| {
+            all || self.also.contains(&it.0) || (whole && it.0 == Also::Aem)
+        };
         pairs.iter().filter(wanted).map(|it| it.1).collect()
     }
 }
@@ -90,7 +96,7 @@ impl ProductArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Products")]
 pub struct ProductArgs {
-    /// Products beside those that are always written: parquet,stk
+    /// Products beside those that are always written: aem,parquet
     #[arg(long, value_name = "PRODUCT,...", value_delimiter = ',')]
     pub also: Vec<Also>,
     /// Largest error of interpolation between samples of the attitude, in seconds of arc

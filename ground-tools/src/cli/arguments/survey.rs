@@ -76,6 +76,8 @@ pub enum SkyFrame {
     Ecliptic,
     /// Galactic longitude and latitude
     Galactic,
+    /// Right ascension and declination, ICRF
+    Equatorial,
 }
 
 impl From<SkyFrame> for MapFrame {
@@ -83,6 +85,7 @@ impl From<SkyFrame> for MapFrame {
         match frame {
             SkyFrame::Ecliptic => Self::Ecliptic,
             SkyFrame::Galactic => Self::Galactic,
+            SkyFrame::Equatorial => Self::Equatorial,
         }
     }
 }

@@ -1,7 +1,9 @@
 //! What `plan` says: sessions, hours, objective, the first two weeks.
 
+use ephem::time::format_tdb;
+use formats::forecast::{Required, Taught};
 use formats::resonance::{minutes, sentence};
-use formats::timeline::Timeline;
+use formats::timeline::{Idle, Timeline};
 use onboard_core::time::Duration;
 use planner::opportunities::Opportunities;
 use planner::resonance::check::Resonances;
@@ -46,8 +48,18 @@ fn total(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.fold(0.0, |sum, number| sum + number)
 }
 
+/// What is told of.
+#[derive(Clone, Copy)]
+pub(super) struct Summed<'p> {
+    pub(super) world: &'p World,
+    pub(super) timeline: &'p Timeline,
+    pub(super) opportunities: &'p Opportunities,
+    pub(super) taught: &'p Taught<'p>,
+}
+
 /// For a program.
-pub(super) fn summary(world: &World, timeline: &Timeline, opportunities: &Opportunities) -> Value {
+pub(super) fn summary(summed: &Summed<'_>) -> Value {
+    let Summed { world, timeline, opportunities, taught } = *summed;
     let shares = shares(world, timeline, opportunities);
     let by_target = |pick: &dyn Fn(&Share<'_>) -> Value| {
         shares.iter().map(|it| (it.target.to_owned(), pick(it))).collect::<Map<_, _>>()
@@ -64,19 +76,28 @@ pub(super) fn summary(world: &World, timeline: &Timeline, opportunities: &Opport
         "stopped": timeline.stopped,
         "against": timeline.against,
         "resonance": timeline.resonance,
+        "alerts": taught.alerts(),
+        "requirements": taught.required.iter().map(Required::json).collect::<Vec<_>>(),
+        "longest_gaps": taught.idle.iter().map(Idle::json).collect::<Vec<_>>(),
     })
 }
 
 /// For a person.
 pub(super) fn told(
-    world: &World,
-    timeline: &Timeline,
-    opportunities: &Opportunities,
+    summed: &Summed<'_>,
     (folder, files): (&Path, &[&str]),
     resonance: Option<&Resonances>,
 ) -> String {
+    let Summed { world, timeline, opportunities, taught } = *summed;
     let mission = &world.mission;
     let mut text = String::new();
+    let alerts = taught.alerts();
+    for it in &alerts {
+        let _ = writeln!(text, "ALERT: {it}");
+    }
+    if !alerts.is_empty() {
+        text.push('\n');
+    }
     if let Some(Resonances { checked, recommended }) = resonance
         && !checked.certificate.passes
     {
@@ -93,13 +114,26 @@ pub(super) fn told(
     }
     let _ = write!(
         text,
-        "{}: calibration timeline, {} for {} days\nkernel {}, trajectory {}\n\n",
+        "{}: calibration timeline, {}\nkernel {}, trajectory {}\n\n",
         mission.name,
-        mission.span.start.text(),
-        mission.span.duration_days,
+        span(world),
         timeline.provenance.kernel,
         timeline.provenance.trajectory
     );
+    if !taught.required.is_empty() {
+        text.push_str("requirements:\n");
+        for it in &taught.required {
+            let _ = writeln!(text, "  {}: {}", it.name(), it.sentence());
+        }
+        text.push('\n');
+    }
+    for it in &taught.idle {
+        let _ =
+            writeln!(text, "{:<12} {:>9} sessions; {}", it.telescope, it.sessions, it.sentence());
+    }
+    if !taught.idle.is_empty() {
+        text.push('\n');
+    }
     let _ = writeln!(
         text,
         "{:<12} {:>9} {:>10} {:>14} {:>14}",
@@ -144,6 +178,16 @@ pub(super) fn told(
     first_weeks(&mut text, world, timeline);
     let _ = writeln!(text, "\nwritten to {}: {}", folder.display(), files.join(", "));
     text
+}
+
+/// The mission's span, or its window.
+fn span(world: &World) -> String {
+    let mission = &world.mission.span;
+    let whole = format!("{} for {} days", mission.start.text(), mission.duration_days);
+    if world.mission_span() == (world.start, world.end) {
+        return whole;
+    }
+    format!("{} to {} TDB of {whole}", format_tdb(world.start), format_tdb(world.end))
 }
 
 /// The sessions that start in the first two weeks.

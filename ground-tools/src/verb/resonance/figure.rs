@@ -5,8 +5,8 @@
 //!
 //! Limits: the [`MOST_PEAKS`] highest peaks carry names.
 
-use crate::picture::{Axis, Band, Chart, Drawing, Mark, PictureError, Scale, Series, Shape, chart};
 use formats::resonance::minutes;
+use pictures::{Axis, Band, Chart, Drawing, Mark, PictureError, Scale, Series, Shape, chart};
 use planner::resonance::Recommendation;
 use planner::resonance::check::Checked;
 

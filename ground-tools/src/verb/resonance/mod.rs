@@ -8,12 +8,12 @@ mod options;
 mod figure;
 
 use super::asked::world;
-use super::delivered::{deliver, sink};
-use super::told::{print_json, tell};
+use super::delivered::{answer, answer_json, deliver, sink};
+use super::told::print_json;
 use crate::cli::{ResonanceArgs, SharedArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
-use crate::picture::{Figure, write_figures};
+use crate::output::figures::{Figure, write_figures};
 use figure::{Point, figure};
 use formats::resonance::{json as checked_json, minutes, sentence};
 use formats::rows::Column;
@@ -55,6 +55,13 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
     let tolerance = arguments.tolerance.as_deref().map(options::tolerance).transpose()?;
     let actuators = Actuators::read(&arguments.actuators)?;
     let scan = arguments.scan.as_deref().map(Periods::scan).transpose()?;
+    if shared.from.is_some() || shared.until.is_some() {
+        return Err(Failure::Input(
+            "resonances are judged from the mission's start on: leave --from and --until out, or choose \
+             --duration"
+                .to_owned(),
+        ));
+    }
     let mut world = world(shared)?;
     world.targets.clear();
     let span_s = world.end.since(world.start).seconds();
@@ -120,9 +127,11 @@ pub(super) fn run(shared: &SharedArgs, arguments: &ResonanceArgs) -> Result<(), 
         lasting,
     };
     if shared.json {
-        print_json(&report.json(&provenance, &files)?)?;
+        let json = report.json(&provenance, &files)?;
+        let told = if scan.is_none() { answer_json(shared, &json) } else { print_json(&json) };
+        told?;
     } else if scan.is_none() {
-        tell(shared, &report.text(&options::scale(arguments), &files))?;
+        answer(shared, &report.text(&options::scale(arguments), &files))?;
     }
     if checked.certificate.passes {
         Ok(())

@@ -15,6 +15,7 @@ use super::told::warn;
 use crate::cli::{SharedArgs, SurveyArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
+use ephem::source::title;
 use formats::maps::Layout;
 use pictures::{Pictures, tracks};
 use planner::healpix::Ordering;
@@ -23,9 +24,12 @@ use planner::provenance::Provenance;
 use planner::survey::input::SurveyInput;
 use planner::survey::{MapFrame, SunSource, SurveySun, map_bytes};
 use planner::world::Tables;
-use session::Session;
+use session::{Session, seen_by};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use watch::Watch;
+
+pub(super) use options::{refused, slow_sampling};
 
 pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Failure> {
     let nside = options::nside(arguments.nside, arguments.moment.len())?;
@@ -49,6 +53,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let rate = options::rate(arguments, &world)?;
     options::check_plates(&world, &lines, &moments)?;
     warn(shared, &options::slow_sampling(&world, &lines, &rate));
+    warn(shared, options::many_threads(arguments.threads).as_slice());
     let input =
         SurveyInput::new(&world, &lines, &rate).map_err(|error| options::refused(&rate, error))?;
     let snapshots = options::snapshots(arguments, &world, &input)?;
@@ -68,7 +73,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let drawn = match table {
         Some(table) if arguments.tracks => {
             let targets: Vec<(String, i32)> =
-                world.targets.iter().map(|it| (it.name().to_owned(), it.body())).collect();
+                world.targets.iter().map(|it| (title(it.name()), it.body())).collect();
             tracks(table, &targets, (world.start, world.end), frame)
         }
         _ => Vec::new(),
@@ -99,7 +104,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
         sky: sky.map(Arc::new),
     };
 
-    let watch = Watch::on_interrupt()?;
+    let watch = Watch::on_interrupt();
     let groups: Vec<&[SightLine]> =
         if arguments.per_detector { lines.chunks(1).collect() } else { vec![&lines] };
     let passes = if arguments.sky.is_some() { 2 } else { 1 };
@@ -108,14 +113,30 @@ pub(super) fn run(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<(), Fai
     let reports = watch.shown(shared, total, || {
         let mut first = 0;
         let mut reports = Vec::new();
-        for group in &groups {
+        for (group, name) in groups.iter().zip(names(&groups)) {
             let detectors = &input.detectors[first..first + group.len()];
             first += group.len();
-            let several = groups.len() > 1;
-            reports.push(session.group(group, detectors, several, &watch, &mut files)?);
+            reports.push(session.group(group, detectors, &name, &watch, &mut files)?);
         }
         Ok(reports)
     })?;
 
     session.deliver(shared, arguments.per_detector, (&reports, &files))
+}
+
+/// What the names of each map's files end with, nothing where there is one map. Names that a file
+/// system may take for the same get a number.
+fn names(groups: &[&[SightLine]]) -> Vec<String> {
+    if groups.len() < 2 {
+        return vec![String::new(); groups.len()];
+    }
+    let mut taken = BTreeSet::new();
+    let name = |group: &&[SightLine]| {
+        let (telescope, detector) = seen_by(group);
+        let plain = format!("-{telescope}-{detector}");
+        let numbered = (2_usize..).map(|number| format!("{plain}-{number}"));
+        let mut all = std::iter::once(plain.clone()).chain(numbered);
+        all.find(|it| taken.insert(it.to_lowercase())).unwrap_or_default()
+    };
+    groups.iter().map(name).collect()
 }

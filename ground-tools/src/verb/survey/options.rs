@@ -4,11 +4,11 @@ use crate::cli::SurveyArgs;
 use crate::cli::quantities::{angles_deg, rate_hz};
 use crate::failure::Failure;
 use crate::output::memory::available_bytes;
-use crate::picture::View;
 use mission::number::Number;
 use mission::quantity;
 use mission::rounding;
 use onboard_core::time::Duration;
+use pictures::View;
 use planner::constraints::sampling_ok;
 use planner::healpix::{MAX_NSIDE, Nside};
 use planner::opportunities::SightLine;
@@ -40,6 +40,17 @@ fn gigabytes(bytes: f64) -> String {
     format!("{:.1} GB", bytes / 1e9)
 }
 
+/// Most threads of a core; more wait for each other.
+const MOST_PER_CORE: usize = 4;
+
+/// Says how many threads there will be where too many were asked for.
+pub(super) fn many_threads(asked: Option<NonZeroUsize>) -> Option<String> {
+    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let most = cores * MOST_PER_CORE;
+    let asked = asked.map(NonZeroUsize::get).filter(|it| *it > most)?;
+    Some(format!("--threads {asked}: {most} are taken, {MOST_PER_CORE} for each of {cores} cores"))
+}
+
 /// How many threads, so that their maps fit the memory beside `besides` bytes: fewer than asked for
 /// where that is needed.
 pub(super) fn threads(
@@ -49,7 +60,7 @@ pub(super) fn threads(
     besides: u64,
 ) -> Result<usize, Failure> {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    let mut threads = asked.map_or(cores, NonZeroUsize::get);
+    let mut threads = asked.map_or(cores, NonZeroUsize::get).min(cores * MOST_PER_CORE);
     let each = map_bytes(nside, moments);
     if let Some(available) = available_bytes() {
         let left = available.saturating_sub(besides);
@@ -103,10 +114,22 @@ pub(super) fn isa() -> Result<Isa, Failure> {
     }
 }
 
+/// Largest sampling rate of a mission.
+const MOST_HZ: f64 = 1e9;
+
 pub(super) fn rate(arguments: &SurveyArgs, world: &World) -> Result<Number, Failure> {
     match &arguments.rate {
         None => Ok(world.mission.scan.sampling_rate_hz.clone()),
-        Some(text) => rate_hz("--rate", text),
+        Some(text) => {
+            let rate = rate_hz("--rate", text)?;
+            if rate.to_f64() > MOST_HZ {
+                return Err(Failure::Input(format!(
+                    "--rate {text}: a rate above 0 and at most {MOST_HZ:e} Hz is needed, as of \
+                     scan.sampling_rate_hz"
+                )));
+            }
+            Ok(rate)
+        }
     }
 }
 
@@ -126,10 +149,10 @@ pub(super) fn patches(texts: &[String]) -> Result<Vec<(String, View)>, Failure> 
         .map(|(index, text)| {
             let [longitude, latitude, side] =
                 angles_deg("--patch", text, ["longitude", "latitude", "side"])?;
-            if latitude.abs() > 90.0 || !(0.0..120.0).contains(&side) || side <= 0.0 {
+            if latitude.abs() > 90.0 || !(0.0..=150.0).contains(&side) || side <= 0.0 {
                 return Err(Failure::Input(format!(
-                    "--patch {text}: a latitude from -90 to 90 deg and a side above 0 and below \
-                     120 deg are needed"
+                    "--patch {text}: a latitude from -90 to 90 deg and a side above 0 and at \
+                     most 150 deg are needed"
                 )));
             }
             let view = View::Patch {
@@ -199,7 +222,11 @@ pub(super) fn check_plates(
 }
 
 /// The sampling condition of each telescope that looks, where it does not hold.
-pub(super) fn slow_sampling(world: &World, lines: &[SightLine], rate: &Number) -> Vec<String> {
+pub(in crate::verb) fn slow_sampling(
+    world: &World,
+    lines: &[SightLine],
+    rate: &Number,
+) -> Vec<String> {
     let margin = world.mission.scan.n_margin.to_f64();
     let mut told: Vec<String> = Vec::new();
     for line in lines {
@@ -221,7 +248,7 @@ pub(super) fn slow_sampling(world: &World, lines: &[SightLine], rate: &Number) -
 }
 
 /// Why a rate cannot be surveyed at.
-pub(super) fn refused(rate: &Number, error: SamplingError) -> Failure {
+pub(in crate::verb) fn refused(rate: &Number, error: SamplingError) -> Failure {
     Failure::Input(match error {
         SamplingError::NotPositive { .. } => format!("--rate {rate}: a rate above 0 Hz is needed"),
         SamplingError::TooSlow { least_hz, .. } => {

@@ -1,14 +1,13 @@
 //! Pictures of a survey's maps.
 
 use crate::failure::Failure;
-use crate::picture::{
-    ColourMap, Figure, Range, Scale, SkyMap, SkyPicture, Track, View, sky_picture, write_figures,
-};
+use crate::output::figures::{Figure, write_figures};
 use formats::survey::name;
 use onboard_core::direction::Direction;
 use onboard_core::ephemeris::EphemerisTable;
 use onboard_core::frame::Ecliptic;
 use onboard_core::time::{Duration, Instant};
+use pictures::{ColourMap, Range, Scale, SkyMap, SkyPicture, Track, View, sky_picture};
 use planner::healpix::Ordering;
 use planner::survey::{MapFrame, SurveyMaps};
 use std::path::Path;

@@ -77,7 +77,7 @@ impl Session<'_> {
                 told.push_str(&files.join(", "));
                 told.push('\n');
             }
-            tell(shared, &told)
+            tell(&told)
         }
     }
 
@@ -86,7 +86,7 @@ impl Session<'_> {
         &self,
         lines: &[SightLine],
         detectors: &[SurveyDetector],
-        several: bool,
+        name: &str,
         watch: &Watch,
         files: &mut Vec<String>,
     ) -> Result<SurveyReport, Failure> {
@@ -99,7 +99,6 @@ impl Session<'_> {
             moments: self.moments.to_vec(),
         };
         let (telescope, detector) = seen_by(lines);
-        let name = if several { format!("-{telescope}-{detector}") } else { String::new() };
         let mut collector = Collector::new(survey.clone(), self.isa).map_err(failed)?;
         let mut from = 0;
         let mut snapshots = Vec::new();
@@ -108,19 +107,19 @@ impl Session<'_> {
             from = *samples;
             let maps = collector.maps();
             let map = MapReport::new(self.nside.get(), &SurveyStatistics::of(&maps));
-            self.write(&maps, (&name, Some(after)), (&telescope, &detector), files)?;
+            self.write(&maps, (name, Some(after)), (&telescope, &detector), files)?;
             snapshots.push(Snapshot { after: after.clone(), elapsed_s: elapsed.seconds(), map });
         }
         self.collect(&mut collector, from..self.input.samples, watch, files)?;
         let maps = collector.finish();
         let map = MapReport::new(self.nside.get(), &SurveyStatistics::of(&maps));
-        self.write(&maps, (&name, None), (&telescope, &detector), files)?;
+        self.write(&maps, (name, None), (&telescope, &detector), files)?;
         let sky = self
             .sky
             .as_ref()
             .map(|sky| {
                 let seen_by = who(&telescope, &detector);
-                self.observe(survey, (sky, &name, &seen_by), watch, files)
+                self.observe(survey, (sky, name, &seen_by), watch, files)
             })
             .transpose()?;
         let amplitude = detectors
@@ -235,7 +234,7 @@ impl Session<'_> {
 }
 
 /// Telescope and detector of a map.
-fn seen_by(lines: &[SightLine]) -> (String, String) {
+pub(super) fn seen_by(lines: &[SightLine]) -> (String, String) {
     match lines {
         [only] => (only.telescope_name.clone(), only.detector_name.clone()),
         [first, rest @ ..] => {

@@ -24,7 +24,10 @@ pub(super) fn asked(shared: &SharedArgs, arguments: &SurveyArgs) -> Result<Optio
 
 /// Reads a sky; a file that does not name its frame is taken to be in `unsaid`.
 fn read(path: &Path, unsaid: Option<MapFrame>) -> Result<Sky, Failure> {
-    let frames = Frames { accepted: &[MapFrame::Ecliptic, MapFrame::Galactic], unsaid };
+    let frames = Frames {
+        accepted: &[MapFrame::Ecliptic, MapFrame::Galactic, MapFrame::Equatorial],
+        unsaid,
+    };
     let map: StokesMap = read_stokes(path, frames).map_err(|failure| match &failure.error {
         FitsError::Frame { found, .. } if unsaid.is_none() && found == "nothing" => {
             Failure::Input(format!("{failure}; --sky-frame says it for a file that does not"))
@@ -33,7 +36,8 @@ fn read(path: &Path, unsaid: Option<MapFrame>) -> Result<Sky, Failure> {
     })?;
     let frame = match map.frame {
         MapFrame::Galactic => SurveyFrame::Galactic,
-        MapFrame::Ecliptic | MapFrame::Equatorial => SurveyFrame::Ecliptic,
+        MapFrame::Ecliptic => SurveyFrame::Ecliptic,
+        MapFrame::Equatorial => SurveyFrame::Equatorial,
     };
     Sky::new(&SkyMap {
         nside: map.nside,

@@ -1,19 +1,19 @@
 //! Who watches a survey: a bar on standard error, and Ctrl-C, which ends it early; and why it fails.
+//! A second Ctrl-C ends the program.
 
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
+use crate::output::interrupt;
 use indicatif::{ProgressBar, ProgressStyle};
 use planner::progress::Progress;
 use planner::survey::SurveyError;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// Samples done, and whether an end was asked for.
+/// Samples done.
 #[derive(Debug, Default)]
 pub(super) struct Watch {
     samples: AtomicU64,
-    stop: AtomicBool,
 }
 
 impl Progress for Watch {
@@ -22,18 +22,15 @@ impl Progress for Watch {
     }
 
     fn stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+        interrupt::interrupted()
     }
 }
 
 impl Watch {
     /// A watch that Ctrl-C stops.
-    pub(super) fn on_interrupt() -> Result<Arc<Self>, Failure> {
-        let watch = Arc::new(Self::default());
-        let handler = Arc::clone(&watch);
-        ctrlc::set_handler(move || handler.stop.store(true, Ordering::Relaxed))
-            .map_err(Failure::internal)?;
-        Ok(watch)
+    pub(super) fn on_interrupt() -> Self {
+        interrupt::listen();
+        Self::default()
     }
 
     /// Samples of all detectors done.

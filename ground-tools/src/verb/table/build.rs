@@ -33,6 +33,11 @@ pub(super) fn run(
         }
     }
     let tolerance_rad = angle_rad("--error", error)?;
+    if tolerance_rad <= 0.0 {
+        return Err(Failure::Input(format!(
+            "--error {error}: an angle above 0 is needed, such as 1mas"
+        )));
+    }
     let options =
         FitOptions { tolerance_rad, rough_tolerance_rad: tolerance_rad, ..FitOptions::UPLINK };
     let tables = world.tables(&options)?;
@@ -85,5 +90,5 @@ pub(super) fn run(
             it.max_error_rad / MILLIARCSECOND_RAD
         );
     }
-    tell(shared, &text)
+    tell(&text)
 }

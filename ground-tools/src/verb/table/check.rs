@@ -1,15 +1,18 @@
 //! `gyrfalcon table verify`: a container against the ephemeris and the mission.
 
 use super::container::{load, read};
+use super::diff::changes;
 use crate::cli::SharedArgs;
 use crate::cli::quantities::angle_rad;
 use crate::failure::Failure;
 use crate::verb::asked::world;
-use crate::verb::told::{print_json, tell};
-use ephem::fit::MILLIARCSECOND_RAD;
+use crate::verb::delivered::{answer, answer_json};
+use ephem::fit::{FitOptions, MILLIARCSECOND_RAD};
 use ephem::source::Source;
 use ephem::verify::{BodyCheck, verify};
-use formats::uplink::digest;
+use formats::uplink::{Contents, contents_told, digest};
+use onboard_core::uplink::Tables;
+use planner::world::World;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -37,10 +40,12 @@ pub(super) fn run(shared: &SharedArgs, file: &Path, error: &str) -> Result<(), F
     let same_mission = digest(&world.mission) == tables.header().mission_digest;
     let checks = verify(tables.ephemeris(), &world.sky, &world.targets, SAMPLES, SEED)
         .map_err(|error| Failure::Input(format!("{}: {error}", file.display())))?;
+    let differing =
+        same_mission.then(|| differing(&world, &tables)).transpose()?.unwrap_or_default();
     let good = |it: &BodyCheck| {
         it.max_error_rad <= limit && it.rate_over_bound <= 1.0 && it.acceleration_over_bound <= 1.0
     };
-    let passed = same_mission && checks.iter().all(good);
+    let passed = same_mission && differing.is_empty() && checks.iter().all(good);
     if shared.json {
         let bodies: Vec<Value> = checks
             .iter()
@@ -55,12 +60,16 @@ pub(super) fn run(shared: &SharedArgs, file: &Path, error: &str) -> Result<(), F
                 })
             })
             .collect();
-        print_json(&json!({
-            "verdict": if passed { "pass" } else { "fail" },
-            "same_mission": same_mission,
-            "samples": SAMPLES,
-            "bodies": bodies,
-        }))?;
+        answer_json(
+            shared,
+            &json!({
+                "verdict": if passed { "pass" } else { "fail" },
+                "same_mission": same_mission,
+                "differing": differing,
+                "samples": SAMPLES,
+                "bodies": bodies,
+            }),
+        )?;
     } else {
         let mut text = format!(
             "{:<18} {:>12} {:>12} {:>12}\n",
@@ -77,7 +86,7 @@ pub(super) fn run(shared: &SharedArgs, file: &Path, error: &str) -> Result<(), F
                 if good(it) { "pass" } else { "FAIL" }
             );
         }
-        tell(shared, &text)?;
+        answer(shared, &text)?;
     }
     if passed {
         return Ok(());
@@ -85,6 +94,9 @@ pub(super) fn run(shared: &SharedArgs, file: &Path, error: &str) -> Result<(), F
     let mut why = Vec::new();
     if !same_mission {
         why.push("it was built for another mission (its digest differs)".to_owned());
+    }
+    if !differing.is_empty() {
+        why.push(format!("it holds another {} than the mission gives", differing.join(", ")));
     }
     for it in checks.iter().filter(|it| !good(it)) {
         why.push(format!(
@@ -95,4 +107,14 @@ pub(super) fn run(shared: &SharedArgs, file: &Path, error: &str) -> Result<(), F
         ));
     }
     Err(Failure::Check(format!("{}: {}", file.display(), why.join("; "))))
+}
+
+/// The fields of a container that are not what its mission gives; its sessions are not among them.
+fn differing(world: &World, tables: &Tables<'_>) -> Result<Vec<String>, Failure> {
+    let fitted = world.tables(&FitOptions::UPLINK)?.fitted.bytes;
+    let sequence = tables.header().sequence;
+    let contents = Contents { world, ephemeris: &fitted, sessions: None, sequence };
+    let bytes = contents.to_bytes()?;
+    let expected = Tables::load(&bytes).map_err(|error| Failure::internal(contents_told(error)))?;
+    Ok(changes(tables, &expected).into_iter().map(|it| it.field).collect())
 }

@@ -8,7 +8,7 @@ use super::container::{load, read};
 use super::words::{avoidance_told, hex};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
-use crate::verb::told::{print_json, tell};
+use crate::verb::delivered::{answer, answer_json};
 use ephem::fit::MILLIARCSECOND_RAD;
 use formats::uplink::{body_told, refusal_told, slot_image, span_told, told};
 use onboard_core::time::{Duration, Instant};
@@ -22,8 +22,8 @@ use std::path::Path;
 const SAMPLES: i64 = 1000;
 
 /// Old and new value of a field that differs.
-struct Change {
-    field: String,
+pub(super) struct Change {
+    pub(super) field: String,
     old: String,
     new: String,
 }
@@ -74,19 +74,22 @@ pub(super) fn run(shared: &SharedArgs, old_file: &Path, new_file: &Path) -> Resu
                 })
             })
             .collect();
-        return print_json(&json!({
-            "identical": identical,
-            "accepted": refusal.is_none(),
-            "refusal": refusal,
-            "fields": fields,
-            "bodies": bodies,
-            "sessions": {
-                "kept": sessions.kept,
-                "moved": sessions.moved,
-                "added": sessions.added,
-                "removed": sessions.removed,
-            },
-        }));
+        return answer_json(
+            shared,
+            &json!({
+                "identical": identical,
+                "accepted": refusal.is_none(),
+                "refusal": refusal,
+                "fields": fields,
+                "bodies": bodies,
+                "sessions": {
+                    "kept": sessions.kept,
+                    "moved": sessions.moved,
+                    "added": sessions.added,
+                    "removed": sessions.removed,
+                },
+            }),
+        );
     }
     let mut text = String::new();
     if identical {
@@ -116,7 +119,7 @@ pub(super) fn run(shared: &SharedArgs, old_file: &Path, new_file: &Path) -> Resu
             writeln!(text, "a spacecraft with {} refuses it: {why}", old_file.display())
         }
     };
-    tell(shared, &text)
+    answer(shared, &text)
 }
 
 fn common_validity(old: &Tables<'_>, new: &Tables<'_>) -> Option<(Instant, Instant)> {
@@ -127,7 +130,7 @@ fn common_validity(old: &Tables<'_>, new: &Tables<'_>) -> Option<(Instant, Insta
 }
 
 /// Header and mission fields that differ.
-fn changes(old: &Tables<'_>, new: &Tables<'_>) -> Vec<Change> {
+pub(super) fn changes(old: &Tables<'_>, new: &Tables<'_>) -> Vec<Change> {
     let fields = |tables: &Tables<'_>| {
         let header = tables.header();
         let mission = tables.mission();

@@ -4,7 +4,7 @@ use super::container::{load, read};
 use super::words::{avoidance_told, hex};
 use crate::cli::SharedArgs;
 use crate::failure::Failure;
-use crate::verb::told::{print_json, tell};
+use crate::verb::delivered::{answer, answer_json};
 use ephem::time::format_tdb;
 use formats::uplink::{body_told, span_told};
 use onboard_core::clock::{CLOCK_BYTES, ClockCorrelation, ClockError};
@@ -45,21 +45,24 @@ pub(super) fn run(shared: &SharedArgs, file: &Path) -> Result<(), Failure> {
                 })
             })
             .collect();
-        return print_json(&json!({
-            "bytes": bytes.len(),
-            "version": onboard_core::uplink::VERSION,
-            "sequence": header.sequence,
-            "valid_from_tai_ns": header.valid_from.tai_ns(),
-            "valid_until_tai_ns": header.valid_until.tai_ns(),
-            "set_digest": format!("{:016x}", tables.set_digest()),
-            "mission_sha256_prefix": digest,
-            "spacecraft": format!("{:08x}", header.spacecraft),
-            "spans": spans,
-            "telescopes": tables.mission().telescopes().count(),
-            "detectors": tables.mission().detectors().count(),
-            "avoidance": tables.mission().avoidance().count(),
-            "sessions": tables.plan().sessions().count(),
-        }));
+        return answer_json(
+            shared,
+            &json!({
+                "bytes": bytes.len(),
+                "version": onboard_core::uplink::VERSION,
+                "sequence": header.sequence,
+                "valid_from_tai_ns": header.valid_from.tai_ns(),
+                "valid_until_tai_ns": header.valid_until.tai_ns(),
+                "set_digest": format!("{:016x}", tables.set_digest()),
+                "mission_sha256_prefix": digest,
+                "spacecraft": format!("{:08x}", header.spacecraft),
+                "spans": spans,
+                "telescopes": tables.mission().telescopes().count(),
+                "detectors": tables.mission().detectors().count(),
+                "avoidance": tables.mission().avoidance().count(),
+                "sessions": tables.plan().sessions().count(),
+            }),
+        );
     }
     let mission = tables.mission();
     let parameters = *mission.strategy().parameters();
@@ -101,7 +104,7 @@ pub(super) fn run(shared: &SharedArgs, file: &Path) -> Result<(), Failure> {
             span_told(span.start, end)
         );
     }
-    tell(shared, &text)
+    answer(shared, &text)
 }
 
 fn clock(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure> {
@@ -117,18 +120,21 @@ fn clock(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure> 
         format!("{ns} + {fraction}/2^64")
     };
     if shared.json {
-        return print_json(&json!({
-            "sequence": record.sequence,
-            "spacecraft": format!("{:08x}", record.spacecraft),
-            "ticks": record.ticks,
-            "at_tai_ns": record.at.tai_ns(),
-            "tick_ns": tick_ns,
-            "uncertainty_ns": record.uncertainty_ns,
-            "valid_from_tai_ns": record.valid_from.tai_ns(),
-            "valid_until_tai_ns": record.valid_until.tai_ns(),
-        }));
+        return answer_json(
+            shared,
+            &json!({
+                "sequence": record.sequence,
+                "spacecraft": format!("{:08x}", record.spacecraft),
+                "ticks": record.ticks,
+                "at_tai_ns": record.at.tai_ns(),
+                "tick_ns": tick_ns,
+                "uncertainty_ns": record.uncertainty_ns,
+                "valid_from_tai_ns": record.valid_from.tai_ns(),
+                "valid_until_tai_ns": record.valid_until.tai_ns(),
+            }),
+        );
     }
-    tell(
+    answer(
         shared,
         &format!(
             "{}: clock correlation, sequence {}\ncounter {} at {} TDB (+- {} ns), tick {tick_ns} \
@@ -152,14 +158,17 @@ fn rollback(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failur
         _ => refused(file, DAMAGED),
     })?;
     if shared.json {
-        return print_json(&json!({
-            "from": order.from,
-            "to": order.to,
-            "to_set_digest": format!("{:016x}", order.to_digest),
-            "until_tai_ns": order.until.tai_ns(),
-        }));
+        return answer_json(
+            shared,
+            &json!({
+                "from": order.from,
+                "to": order.to,
+                "to_set_digest": format!("{:016x}", order.to_digest),
+                "until_tai_ns": order.until.tai_ns(),
+            }),
+        );
     }
-    tell(
+    answer(
         shared,
         &format!(
             "{}: rollback from sequence {} to {} (set digest {:016x}), until {} TDB\n",
@@ -180,15 +189,18 @@ fn change(shared: &SharedArgs, file: &Path, bytes: &[u8]) -> Result<(), Failure>
     })?;
     let (from, to) = (format!("{:08x}", order.from), format!("{:08x}", order.to));
     if shared.json {
-        return print_json(&json!({
-            "from_spacecraft": from,
-            "to_spacecraft": to,
-            "sequence": order.sequence,
-            "set_digest": format!("{:016x}", order.set_digest),
-            "until_tai_ns": order.until.tai_ns(),
-        }));
+        return answer_json(
+            shared,
+            &json!({
+                "from_spacecraft": from,
+                "to_spacecraft": to,
+                "sequence": order.sequence,
+                "set_digest": format!("{:016x}", order.set_digest),
+                "until_tai_ns": order.until.tai_ns(),
+            }),
+        );
     }
-    tell(
+    answer(
         shared,
         &format!(
             "{}: change from spacecraft {from} to {to} with sequence {} (set digest {:016x}), \

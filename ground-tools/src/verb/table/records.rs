@@ -120,7 +120,7 @@ fn write(shared: &SharedArgs, default: &str, bytes: &[u8]) -> Result<(), Failure
     if sink == Sink::Stdout {
         return Ok(());
     }
-    tell(shared, &format!("written to {}: {} bytes\n", path.display(), bytes.len()))
+    tell(&format!("written to {}: {} bytes\n", path.display(), bytes.len()))
 }
 
 fn span(option: &str, text: &str) -> Result<Duration, Failure> {

@@ -3,10 +3,10 @@
 mod report;
 
 use super::asked::world;
-use super::delivered::sink;
+use super::delivered::{form, sink};
 use super::told::{print_json, tell};
 use crate::cli::quantities::angle_rad;
-use crate::cli::{Against, Format, ReferenceFrame, SharedArgs, VerifyArgs};
+use crate::cli::{Against, ReferenceFrame, SharedArgs, VerifyArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
 use ephem::apparent::OBLIQUITY_ARCSEC;
@@ -27,7 +27,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
     let limit_arcsec = angle_rad("--limit", &arguments.limit)? * ARCSECONDS_PER_RADIAN;
     let mut world = world(shared)?;
     let name = file_name(&arguments.file);
-    let history = History::parse(&read(&arguments.file)?, world.start)
+    let history = History::parse(&read(&arguments.file)?, world.zero())
         .map_err(|error| Failure::Input(format!("{name}: {error}")))?;
     let measured = measured(&world, &history, arguments, &name)?;
     world.targets.clear();
@@ -49,7 +49,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
     let provenance = Provenance::of(&world);
     if shared.out.is_some() && !(shared.json && sink(shared) == Sink::Stdout) {
         let layout = Layout {
-            format: shared.format.unwrap_or(Format::Csv).of_rows()?,
+            format: form(shared)?.of_rows()?,
             provenance: &provenance,
             columns: &residual_columns(),
         };
@@ -62,7 +62,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VerifyArgs) -> Result<(), Fai
     if shared.json {
         print_json(&report.json(&provenance)?)?;
     } else if sink(shared) != Sink::Stdout || shared.out.is_none() {
-        tell(shared, &report.text(&name))?;
+        tell(&report.text(&name))?;
     }
     if report.failed.is_empty() {
         Ok(())
@@ -120,8 +120,8 @@ fn measured(
         .map(|row| {
             if row.at < world.start || row.at > world.end {
                 return Err(Failure::Input(format!(
-                    "{name}: line {}: {} TDB lies outside the mission, {} to {} TDB: other --start \
-                     or --duration are needed",
+                    "{name}: line {}: {} TDB lies outside the mission, {} to {} TDB: another \
+                     --start, --duration or window is needed",
                     row.line,
                     format_tdb(row.at),
                     format_tdb(world.start),

@@ -12,8 +12,9 @@
 //! Limits: at most [`MOST_PAIRS`] places and lines of sight.
 
 use crate::failure::Failure;
-use crate::picture::{self, Axis, Chart, Drawing, Figure, Scale, Series, Shape};
+use crate::output::figures::Figure;
 use formats::visits::{Bars, Mark, Report, Told, name, span, unit};
+use pictures::{self, Axis, Chart, Drawing, Scale, Series, Shape};
 use planner::opportunities::NONE;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -167,11 +168,11 @@ fn draw(
             name => format!("{name} {}", span(mark.seconds)),
         })
         .collect();
-    let marks: Vec<picture::Mark> = setting
+    let marks: Vec<pictures::Mark> = setting
         .marks
         .iter()
         .zip(&names)
-        .map(|(mark, name)| picture::Mark { at: mark.seconds / divisor, name })
+        .map(|(mark, name)| pictures::Mark { at: mark.seconds / divisor, name })
         .collect();
     let title = format!("{}: {} of {}", setting.mission, quantity.axis(), name(report));
     let legend = legend(report, told, bars, quantity, setting.counted);
@@ -202,7 +203,7 @@ fn draw(
         width_px: WIDTH_PX,
         height_px: HEIGHT_PX,
     };
-    Ok(picture::chart(&chart)?)
+    Ok(pictures::chart(&chart)?)
 }
 
 /// What is counted, or why nothing is.

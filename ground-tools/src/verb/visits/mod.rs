@@ -7,14 +7,14 @@
 mod figures;
 
 use super::asked::{sun_table, world};
-use super::delivered::sink;
+use super::delivered::{form, sink};
 use super::told::{print_json, tell};
 use crate::cli::places::{FixedPlace, Numbering, PlaceShape, direction};
 use crate::cli::quantities::rate_hz;
-use crate::cli::{Format, SharedArgs, VisitsArgs};
+use crate::cli::{SharedArgs, VisitsArgs};
 use crate::failure::Failure;
 use crate::output::Sink;
-use crate::picture::write_figures;
+use crate::output::figures::write_figures;
 use ephem::time::format_tdb;
 use figures::Setting;
 use formats::rows::Field::{Number, Tdb, Whole, Word};
@@ -150,7 +150,7 @@ pub(super) fn run(shared: &SharedArgs, arguments: &VisitsArgs) -> Result<(), Fai
         if !summary.figures.is_empty() {
             let _ = write!(text, "\nFigures written:\n{}\n", summary.figures.join("\n"));
         }
-        tell(shared, &text)
+        tell(&text)
     }
 }
 
@@ -256,7 +256,7 @@ fn write_rows(
     counting: Counting,
     provenance: &Provenance,
 ) -> Result<(), Failure> {
-    let format = shared.format.unwrap_or(Format::Csv).of_rows()?;
+    let format = form(shared)?.of_rows()?;
     let sink = sink(shared);
     if shared.out.is_none() || (shared.json && sink == Sink::Stdout) {
         return Ok(());

@@ -3,7 +3,10 @@
 //! Frames: `quat` is (x, y, z, w) and takes detector components to the telescope's, z the line of
 //! sight; `pol_angle_rad` counts from the detector's x axis.
 //!
-//! Method: a model is JSON with a list `data_files`; an entry whose `metadata` has `pixtype` (the
+//! Beam, band and noise are the entry's `fwhm_arcmin`, `ellipticity`, `bandcenter_ghz`, `bandwidth_ghz`,
+//! `net_ukrts` and `fknee_mhz`, each where it is there and not null.
+//!
+//! Method: a model is JSON, compressed with gzip or not, with a list `data_files`; an entry whose `metadata` has `pixtype` (the
 //! original layout) or `pixel` (the reformed one) is a detector, anything else is passed over. The
 //! telescope is the entry's `telescope`, or the channel's first letter and FT: L1-040 is LFT's.
 //! `releases` lists by `tag` the `uuid`s of the entries that belong together.
@@ -12,12 +15,21 @@
 //! motion is refused (`a_faulty_entry_is_named`).
 
 use crate::fault::Problem;
+use crate::number::Number;
+use crate::reading::range::Range;
 use crate::reading::section::{NAME, is_name};
+use crate::receiver::{BANDWIDTH, ELLIPTICITY, FREQUENCY, FWHM, KNEE, NET, Receiver};
+use flate2::read::MultiGzDecoder;
 use onboard_core::frame::{Detector, Telescope};
 use onboard_core::rotation::{NORM_TOLERANCE, Rotation, RotationError};
 use serde_json::{Map, Value};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
+use std::io::Read;
+
+/// The most that a compressed model may hold, some hundred times LiteBIRD's.
+const MOST_BYTES: u64 = 1 << 30;
 
 /// The detectors of a model and its releases.
 #[derive(Debug)]
@@ -43,16 +55,15 @@ pub(crate) struct Mounted {
     pub(crate) name: String,
     pub(crate) rotation: Rotation<Detector, Telescope>,
     pub(crate) polarisation_angle_rad: f64,
+    /// What the model says of its beam, band and noise.
+    pub(crate) receiver: Receiver,
 }
 
 impl Model {
     /// Reads a model's bytes.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, Problem> {
-        if bytes.starts_with(&[0x1f, 0x8b]) {
-            let message = "it is compressed; unpack it with gunzip".to_owned();
-            return Err(Problem::NotJson { message });
-        }
-        let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
+        let bytes = unpacked(bytes)?;
+        let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
         let mut whole: Value = serde_json::from_slice(bytes)
             .map_err(|error| Problem::NotJson { message: error.to_string() })?;
         let releases = releases(&whole);
@@ -75,6 +86,23 @@ impl Model {
         }
         Ok(Self { entries, releases })
     }
+}
+
+/// The bytes of a file that may be compressed with gzip.
+fn unpacked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, Problem> {
+    if !bytes.starts_with(&[0x1f, 0x8b]) {
+        return Ok(Cow::Borrowed(bytes));
+    }
+    let mut plain = Vec::new();
+    let told = |message| Problem::NotJson { message };
+    MultiGzDecoder::new(bytes)
+        .take(MOST_BYTES + 1)
+        .read_to_end(&mut plain)
+        .map_err(|error| told(format!("it is compressed and cannot be unpacked: {error}")))?;
+    if u64::try_from(plain.len()).is_ok_and(|length| length > MOST_BYTES) {
+        return Err(told(format!("it unpacks to more than {MOST_BYTES} bytes")));
+    }
+    Ok(Cow::Owned(plain))
 }
 
 fn releases(whole: &Value) -> BTreeMap<String, BTreeSet<String>> {
@@ -145,7 +173,55 @@ impl Entry {
             None => return Err(Problem::Missing { key: self.key("name"), need: NAME.to_owned() }),
         };
         let (rotation, polarisation_angle_rad) = (self.rotation()?, self.polarisation_angle_rad()?);
-        Ok(Mounted { name, rotation, polarisation_angle_rad })
+        Ok(Mounted { name, rotation, polarisation_angle_rad, receiver: self.receiver()? })
+    }
+
+    /// Beam, band and noise.
+    fn receiver(&self) -> Result<Receiver, Problem> {
+        let receiver = Receiver {
+            fwhm_arcmin: self.number("fwhm_arcmin", &FWHM)?,
+            frequency_ghz: self.number("bandcenter_ghz", &FREQUENCY)?,
+            bandwidth_ghz: self.number("bandwidth_ghz", &BANDWIDTH)?,
+            net_uk_rts: self.number("net_ukrts", &NET)?,
+            ellipticity: self.number("ellipticity", &ELLIPTICITY)?,
+            knee_mhz: self.number("fknee_mhz", &KNEE)?,
+            time_constant_ms: None,
+        };
+        if let (Some(width), Some(centre)) = (&receiver.bandwidth_ghz, &receiver.frequency_ghz)
+            && width.times(1, 1) >= centre.times(2, 1)
+        {
+            return Err(Problem::OutOfRange {
+                key: self.key("bandwidth_ghz"),
+                value: width.text().to_owned(),
+                need: format!("less than twice the frequency, {} GHz,", centre.text()),
+                hint: "",
+            });
+        }
+        Ok(receiver)
+    }
+
+    /// A number that may be absent or null.
+    fn number(&self, key: &str, range: &Range) -> Result<Option<Number>, Problem> {
+        match self.metadata.get(key) {
+            None | Some(Value::Null) => Ok(None),
+            Some(value) => {
+                let number = match value {
+                    Value::Number(number) => Number::parse(&number.to_string()).ok(),
+                    _ => None,
+                };
+                let key = self.key(key);
+                match number {
+                    Some(number) if range.holds(number.exact()) => Ok(Some(number)),
+                    Some(_) => Err(Problem::OutOfRange {
+                        key,
+                        value: shown(value),
+                        need: range.to_string(),
+                        hint: "",
+                    }),
+                    None => Err(not_legal(&key, &shown(value), &range.to_string())),
+                }
+            }
+        }
     }
 
     fn rotation(&self) -> Result<Rotation<Detector, Telescope>, Problem> {
@@ -211,6 +287,7 @@ mod tests {
     use super::*;
     use onboard_core::direction::Direction;
     use proptest::prelude::*;
+    use std::io::Write;
 
     fn refused(text: &str) -> String {
         Model::parse(text.as_bytes()).unwrap_err().to_string()
@@ -231,7 +308,8 @@ mod tests {
         assert_eq!(refused("{"), "not JSON: EOF while parsing an object at line 1 column 1");
         assert_eq!(refused("\u{1f}"), "not JSON: expected value at line 1 column 1");
         let compressed = Model::parse(&[0x1f, 0x8b, 8]).unwrap_err().to_string();
-        assert_eq!(compressed, "not JSON: it is compressed; unpack it with gunzip");
+        let told = "not JSON: it is compressed and cannot be unpacked: ";
+        assert!(compressed.starts_with(told), "{compressed}");
         for text in ["{}", "[]", "3"] {
             assert_eq!(
                 refused(text),
@@ -282,6 +360,51 @@ mod tests {
         let need = "an angle from -2 pi to 2 pi rad is needed";
         assert_eq!(angle("-7.5"), format!("d.pol_angle_rad = -7.5 is out of range: {need}"));
         assert_eq!(angle("\"Q\""), format!("d.pol_angle_rad = \"Q\" is not legal: {need}"));
+    }
+
+    #[test]
+    fn a_compressed_model_is_unpacked() {
+        let text =
+            r#"{"data_files": [{"metadata": {"pixel": 1, "name": "d", "channel": "L1-040"}}]}"#;
+        let mut packed = Vec::new();
+        let mut packing = flate2::write::GzEncoder::new(&mut packed, flate2::Compression::fast());
+        packing.write_all(text.as_bytes()).unwrap();
+        packing.finish().unwrap();
+        assert_eq!(Model::parse(&packed).unwrap().entries[0].channel(), Some("L1-040"));
+        packed.truncate(packed.len() - 9);
+        assert!(Model::parse(&packed).is_err());
+    }
+
+    #[test]
+    fn beam_band_and_noise_are_read_and_checked() {
+        let with = |values: &str| {
+            entry(&format!(r#"{{"pixel": 1, "name": "d", "quat": [0, 0, 0, 1], {values}}}"#))
+        };
+        let all = r#""fwhm_arcmin": 17.9, "ellipticity": 1.0, "bandcenter_ghz": 402.0,
+            "bandwidth_ghz": 92.0, "net_ukrts": 385.69, "fknee_mhz": 2e1"#;
+        let found = with(all).mounted().unwrap().receiver;
+        let texts = [
+            found.fwhm_arcmin,
+            found.ellipticity,
+            found.frequency_ghz,
+            found.bandwidth_ghz,
+            found.net_uk_rts,
+            found.knee_mhz,
+        ]
+        .map(|it| it.unwrap().text().to_owned());
+        assert_eq!(texts, ["17.9", "1.0", "402.0", "92.0", "385.69", "20.0"]);
+        let none = with(r#""net_ukrts": null"#).mounted().unwrap().receiver;
+        assert_eq!(none, Receiver::default());
+        let fault = |values: &str| with(values).mounted().unwrap_err().to_string();
+        assert_eq!(
+            fault(r#""net_ukrts": -1.0"#),
+            "d.net_ukrts = -1.0 is out of range: a noise above 0 and at most 1e12 uK sqrt(s) is needed"
+        );
+        assert!(fault(r#""fknee_mhz": "20""#).starts_with("d.fknee_mhz = \"20\" is not legal: "));
+        assert_eq!(
+            fault(r#""bandcenter_ghz": 40, "bandwidth_ghz": 80"#),
+            "d.bandwidth_ghz = 80 is out of range: less than twice the frequency, 40 GHz, is needed"
+        );
     }
 
     #[test]

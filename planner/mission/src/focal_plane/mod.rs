@@ -9,7 +9,7 @@
 //!
 //! Limits: all faults of the keys are told, but of a model's entries the first [`SHOWN`].
 
-use crate::detector::NamedDetector;
+use crate::detector::{Kinds, NamedDetector};
 use crate::digest::sha256_hex;
 use crate::fault::{Fault, Problem, Warning};
 use crate::file_path::FilePath;
@@ -46,6 +46,8 @@ pub(crate) struct Mount<'m> {
     pub(crate) rotation: Rotation<frame::Telescope, Boresight>,
     /// The field that a grid covers.
     pub(crate) field_of_view: Option<&'m FieldOfView>,
+    /// What its detectors measure with.
+    pub(crate) kinds: Kinds<'m>,
 }
 
 /// What a `detectors` key gives.
@@ -122,6 +124,8 @@ fn of_grid(section: &Section<'_>, mount: &Mount<'_>, spacing: Number) -> FocalPl
             rotation: detector.then(mount.rotation),
             polarisation_angle_deg: Number::zero(),
             polarisation_angle_rad: 0.0,
+            channel: None,
+            receiver: mount.kinds.telescope.clone(),
         };
     let detectors = laid_out.iter().enumerate().map(named).collect();
     FocalPlane { detectors, grid_deg: Some(spacing), warning: None }
@@ -168,6 +172,8 @@ fn of_file(section: &mut Section<'_>, mount: &Mount<'_>, key: String) -> FocalPl
                     rotation: found.rotation.then(mount.rotation),
                     polarisation_angle_deg: angle_deg.unwrap_or_else(|_| Number::zero()),
                     polarisation_angle_rad: angle_rad,
+                    channel: entry.channel().map(str::to_owned),
+                    receiver: found.receiver.or(mount.kinds.of(entry.channel())),
                 });
             }
             Err(problem) => faults.push(problem),

@@ -1,8 +1,7 @@
 //! Why a file of contacts or blackouts is refused.
 
 use super::calendar::CalendarError;
-use ephem::time::{TimeError, format_utc};
-use onboard_core::time::Instant;
+use ephem::time::TimeError;
 use std::fmt;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -63,27 +62,12 @@ pub enum OccasionFault {
         /// The rate as written.
         value: String,
     },
-    /// A contact begins before the one before it ends.
-    #[error("the contact from {} overlaps the one before it", format_utc(*from))]
-    Overlap {
-        /// The second contact's start.
-        from: Instant,
-    },
+    /// Nothing can be sent.
+    #[error("it has no contact with a rate above 0 bit/s: memory could never be emptied")]
+    NoContact,
     /// A calendar that cannot be used.
     #[error(transparent)]
     Calendar(CalendarError),
-    /// A blackout that does not touch the mission.
-    #[error(
-        "the blackout from {} to {} lies outside the mission, {} to {}",
-        format_utc(blackout.0), format_utc(blackout.1),
-        format_utc(mission.0), format_utc(mission.1)
-    )]
-    Outside {
-        /// The blackout's start and end.
-        blackout: (Instant, Instant),
-        /// The mission's.
-        mission: (Instant, Instant),
-    },
 }
 
 impl fmt::Display for OccasionError {

@@ -14,8 +14,14 @@ pub(super) struct Row {
     pub(super) line: u64,
 }
 
+/// A file's bytes.
+pub(super) fn bytes_of(path: &Path) -> Result<Vec<u8>, OccasionError> {
+    std::fs::read(path)
+        .map_err(|error| OccasionFault::Unreadable { reason: error.to_string() }.of(path, None))
+}
+
 /// A file's text.
-pub(super) fn text_of(path: &Path) -> Result<String, OccasionError> {
+fn text_of(path: &Path) -> Result<String, OccasionError> {
     std::fs::read_to_string(path)
         .map_err(|error| OccasionFault::Unreadable { reason: error.to_string() }.of(path, None))
 }

@@ -10,6 +10,7 @@
 //! Limits: a table that is absent offers no keys of its own to the search for the nearest one.
 
 use crate::fault::{Fault, Problem};
+use crate::names::meant;
 use crate::number::Number;
 use crate::reading::canon::{Canon, toml_string};
 use crate::reading::document::{Node, Place, Table, Value, name_of};
@@ -416,19 +417,32 @@ fn none() -> String {
 }
 
 /// What a name must be.
-pub(crate) const NAME: &str = "a name of 1 to 64 printable characters, neither \"-\", \"all\" nor \"none\", without , / and quotes";
+pub(crate) const NAME: &str = "a name of 1 to 64 printable characters that does not begin with # = + or @, neither \"-\", \"all\" nor \"none\", without , / and quotes";
+
+/// Whether a character is not seen, but turns the direction of writing or ends lines.
+const fn turns(c: char) -> bool {
+    matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
+}
 
 /// Whether a text can name something in every output.
 pub(crate) fn is_name(text: &str) -> bool {
     (1..=64).contains(&text.chars().count())
         && text.trim() == text
-        && !text.chars().any(|c| c.is_control() || matches!(c, ',' | '/' | '"' | '\''))
+        && !text.chars().any(|c| c.is_control() || turns(c) || matches!(c, ',' | '/' | '"' | '\''))
+        // A comment of a CSV, or a formula of a spreadsheet.
+        && !text.starts_with(['#', '=', '+', '@'])
         && !matches!(text, "-" | "all" | "none")
 }
 
 /// The sentence part for a name from a list.
 pub(crate) fn one_of(legal: &[&str]) -> String {
     format!("one of {}", legal.join(", "))
+}
+
+/// The same, with the name that may have been meant.
+pub(crate) fn one_of_meant(name: &str, legal: &[&str]) -> String {
+    let meant = meant(name, legal).map_or(String::new(), |it| format!(" (did you mean {it}?)"));
+    format!("{}{meant}", one_of(legal))
 }
 
 /// Faults for names that occur twice in a list of tables.

@@ -12,8 +12,8 @@ const BLOCK: usize = 32;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Label {
     pub(super) value: i64,
-    /// Reserved ns of this day and the following ones, what the memory holds, reserved ns after each line
-    /// of the thermal windows; the less the better.
+    /// Reserved ns of this day and the following ones, what the memory holds, reserved ns in the
+    /// thermal window of each line; the less the better.
     pub(super) used: [i64; MOST_AMOUNTS],
     /// Ranks of the last starts that count, latest first, then of the ends until which the lanes of each
     /// class are busy, latest first ([`FREE`] where there is none), then the negative ranks of the last
@@ -49,11 +49,11 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// None yet, of so many days and places.
-    pub(super) fn new(days: usize, places: usize) -> Self {
+    /// None yet, of so many amounts and places.
+    pub(super) fn new(amounts: usize, places: usize) -> Self {
         Self {
             value: Vec::new(),
-            used: vec![Vec::new(); days],
+            used: vec![Vec::new(); amounts],
             places: vec![Vec::new(); places],
             link: Vec::new(),
             arch: Arch::new(),

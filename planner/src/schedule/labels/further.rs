@@ -2,8 +2,9 @@
 //!
 //! - **Gaps**: each window that no session of a lane starts in costs its price, once it has passed. A label
 //!   holds the last start on each lane; the later it is the better.
-//! - **Memory**: what it holds, in ns of producing. A session's data counts from its start on, so the level
-//!   is never too low; what contacts send counts from one item to the next.
+//! - **Memory**: what it holds, in ns of producing. What contacts send counts from one item to the next. For
+//!   a schedule the level after a session is right, and not too low where sessions overlap; for a bound it is
+//!   never too high.
 //! - **Heat**: the reserved time in windows that begin at some instants, the **lines**.
 //!
 //! Limits: the bound leaves out data that may be sent while it is produced, and windows between the lines;
@@ -94,12 +95,24 @@ impl Memory {
         i64::try_from(bits / self.rate_bit_s).unwrap_or(i64::MAX / 4).min(i64::MAX / 4)
     }
 
+    /// Starts and ends of contacts in `[from, until]`, and the two.
+    fn changes(&self, from: i64, until: i64) -> impl Iterator<Item = i64> {
+        let first = self.contacts.partition_point(|it| it.1 <= from);
+        let within = self.contacts[first..].iter().take_while(move |it| it.0 < until);
+        within.flat_map(move |it| [it.0.max(from), it.1.min(until)]).chain([from, until])
+    }
+
     /// The most that producing in `[from, until)` is ahead of what contacts send meanwhile.
     pub(super) fn peak(&self, from: i64, until: i64) -> i64 {
-        let first = self.contacts.partition_point(|it| it.1 <= from);
-        let within = self.contacts[first..].iter().take_while(|it| it.0 < until);
-        let ends = within.flat_map(|it| [it.0.max(from), it.1.min(until)]).chain([until]);
-        ends.map(|at| (at - from) - self.sent(from, at)).max().unwrap_or(0).max(0)
+        let ahead = |at: i64| (at - from) - self.sent(from, at);
+        self.changes(from, until).map(ahead).max().unwrap_or(0)
+    }
+
+    /// What an empty memory holds after producing in `[from, until)`: the most that was produced since some
+    /// instant less what contacts sent since.
+    pub(super) fn ahead_at_end(&self, from: i64, until: i64) -> i64 {
+        let since = |at: i64| (until - at) - self.sent(at, until);
+        self.changes(from, until).map(since).max().unwrap_or(0)
     }
 }
 
@@ -173,5 +186,59 @@ impl Heat {
         all.flat_map(|it| [it.0, it.1 - self.window])
             .filter(with_new)
             .all(|it| used(it) <= self.most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::demands::Contact;
+    use onboard_core::time::Instant;
+
+    /// A contact of 10 s from 100 s on that sends twice what is produced, and one of 20 s from 140 s on that
+    /// sends half of it.
+    fn memory() -> Memory {
+        let at = |seconds: i64| Instant::from_tai_ns(seconds * 1_000_000_000);
+        let contact = |from, until, bit_s| Contact { from: at(from), until: at(until), bit_s };
+        let contacts = vec![contact(100, 110, 2_000), contact(140, 160, 500)];
+        Memory::new(&Data { rate_bit_s: 1_000, memory_bit: 60_000, contacts })
+    }
+
+    fn seconds(count: i64) -> i64 {
+        count * 1_000_000_000
+    }
+
+    #[test]
+    fn a_memory_counts_in_time_of_producing() {
+        let memory = memory();
+        assert_eq!(memory.size, seconds(60));
+        assert_eq!(memory.sent(seconds(105), seconds(150)), seconds(10 + 5));
+        // From 90 s on: 10 s at first, then none, then all that the second contact leaves.
+        assert_eq!(memory.peak(seconds(90), seconds(130)), seconds(20));
+        assert_eq!(memory.peak(seconds(90), seconds(111)), seconds(10));
+        // The first contact cannot send what is produced after it.
+        assert_eq!(memory.ahead_at_end(seconds(90), seconds(130)), seconds(20));
+        assert_eq!(memory.ahead_at_end(seconds(100), seconds(160)), seconds(30 + 10));
+        assert_eq!(memory.ahead_at_end(seconds(100), seconds(110)), 0);
+    }
+
+    #[test]
+    fn a_window_may_begin_with_any_session_or_end_with_it() {
+        let heat = Heat::new((50, 100), &[0, 500], &[30, 530], 40);
+        assert!(!heat.complete);
+        // [20, 120) would hold 10 + 41.
+        assert!(heat.allows(&[(0, 30)], (80, 120)));
+        assert!(!heat.allows(&[(0, 30)], (79, 120)));
+        // Two at a time.
+        assert!(!heat.allows(&[(0, 30)], (0, 30)));
+        let touched: Vec<(usize, i64)> = heat.touched(0, (10, 40)).collect();
+        assert_eq!(touched, [(0, 20)]);
+    }
+
+    #[test]
+    fn one_window_holds_a_short_mission() {
+        let heat = Heat::new((50, 1_000), &[5, 500], &[30, 530], 40);
+        assert!(heat.complete && heat.slots == 1);
+        assert_eq!(heat.touched(0, (500, 530)).collect::<Vec<_>>(), [(0, 30)]);
     }
 }

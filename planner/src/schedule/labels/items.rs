@@ -33,21 +33,27 @@ pub(super) struct Item {
     pub(super) cell: usize,
     /// Time in that cell and in the following ones, ns.
     pub(super) parts: [i64; MOST_DAYS],
-    /// What it adds to the memory at once, what at least, and the most in between.
+    /// What it does to the memory.
     pub(super) data: Produced,
     /// Place in the list of each lane.
     place: usize,
 }
 
-/// Data of an item, in ns of producing.
+/// Data of an item, in ns of producing. Levels are as if all were there at its start, to be sent from then
+/// on.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Produced {
     /// All of it.
     pub(super) all: i64,
+    /// What contacts send between its start and its first data.
+    pub(super) before: i64,
     /// What contacts cannot have sent at its end.
     pub(super) left: i64,
     /// The most that it is ahead of contacts meanwhile.
     pub(super) peak: i64,
+    /// The least level at its start that is not too low at its end: contacts cannot send before there are
+    /// data.
+    pub(super) floor: i64,
 }
 
 /// Lanes with the same sessions, and where their places stand in a label.
@@ -61,6 +67,18 @@ pub(super) struct Class {
 }
 
 impl Class {
+    /// The classes of some lanes, by which of them are alike; no places yet.
+    fn of(lanes: usize, alike: impl Fn(usize, usize) -> bool) -> Vec<Self> {
+        let mut classes: Vec<Self> = Vec::new();
+        for lane in 0..lanes {
+            match classes.iter_mut().find(|it| alike(it.lanes[0], lane)) {
+                Some(class) => class.lanes.push(lane),
+                None => classes.push(Self { lanes: vec![lane], places: 0..0, last: 0..0 }),
+            }
+        }
+        classes
+    }
+
     /// Sessions of one item that can stand together.
     pub(super) const fn copies(&self) -> usize {
         self.lanes.len()
@@ -68,10 +86,14 @@ impl Class {
 }
 
 impl Produced {
-    fn new(memory: &Memory, (from, until): (i64, i64)) -> Self {
+    /// Of an item that starts at an instant and produces from one to another.
+    fn new(memory: &Memory, start: i64, (from, until): (i64, i64)) -> Self {
         let all = until - from;
         let left = (all - memory.sent(from, until)).max(0);
-        Self { all, left, peak: memory.peak(from, until) }
+        // One ns for what is rounded down.
+        let before = memory.sent(start, from) + 1;
+        let floor = memory.ahead_at_end(from, until) + memory.sent(start, until) + 1;
+        Self { all, before, left, peak: memory.peak(from, until), floor }
     }
 }
 
@@ -160,13 +182,7 @@ impl<'m> Items<'m> {
         };
         let alike = |a: usize, b: usize| alike(a, b) && further.gaps.get(a) == further.gaps.get(b);
         let (count, window) = model.count.unwrap_or((0, 0));
-        let mut classes: Vec<Class> = Vec::new();
-        for lane in 0..of_lane.len() {
-            match classes.iter_mut().find(|it| alike(it.lanes[0], lane)) {
-                Some(class) => class.lanes.push(lane),
-                None => classes.push(Class { lanes: vec![lane], places: 0..0, last: 0..0 }),
-            }
-        }
+        let mut classes = Class::of(of_lane.len(), alike);
         let own = |class: &Class| if model.lanes == 0 { 0 } else { class.lanes.len() };
         let last_starts = classes.iter_mut().try_fold(count, |from, class| {
             let until = from.checked_add(own(class)).filter(|it| *it <= MOST_PLACES)?;
@@ -176,7 +192,9 @@ impl<'m> Items<'m> {
         let (places, dues) = windows(&mut classes, further, last_starts)?;
         let memory = further.memory.map(|it| Memory::new(it.0));
         let produced = |id: usize| match (&memory, further.memory) {
-            (Some(memory), Some((_, produces))) => Produced::new(memory, produces[id]),
+            (Some(memory), Some((_, produces))) => {
+                Produced::new(memory, sessions[id].start, produces[id])
+            }
             _ => Produced::default(),
         };
         let rank = |list: &[i64], at: i64| i32::try_from(list.partition_point(|it| *it < at)).ok();
@@ -285,5 +303,25 @@ impl<'m> Items<'m> {
         }
         ids.sort_unstable();
         ids
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::demands::{Contact, Data};
+    use onboard_core::time::Instant;
+
+    #[test]
+    fn what_a_contact_sends_before_there_are_data_is_not_taken_off() {
+        let at = |seconds: i64| Instant::from_tai_ns(seconds * 1_000_000_000);
+        let contacts = vec![Contact { from: at(100), until: at(110), bit_s: 2_000 }];
+        let memory = Memory::new(&Data { rate_bit_s: 1_000, memory_bit: 60_000, contacts });
+        let seconds = |count: i64| count * 1_000_000_000;
+        // Set up from 100 s on, data from 105 to 140 s: the contact sends 10 s before and 10 s of them.
+        let it = Produced::new(&memory, seconds(100), (seconds(105), seconds(140)));
+        assert_eq!((it.all, it.left, it.peak), (seconds(35), seconds(25), seconds(25)));
+        // Of an empty memory the first 5 s are sent and no more: 30 s at the end, with 20 s to be sent by then.
+        assert_eq!((it.before, it.floor), (seconds(10) + 1, seconds(30 + 20) + 1));
     }
 }

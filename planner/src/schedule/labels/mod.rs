@@ -8,13 +8,14 @@
 //!
 //! Method: lanes with the same sessions are one class of several places, which removes their symmetry
 //! (`items.rs`). Labels stand by columns, so that a dominator is looked for in many at a time
-//! (`columns.rs`). Where more labels live than the work that is left allows (`effort.rs`), one pass keeps the most valuable, which
+//! (`columns.rs`). Memory, thermal windows and gaps are further numbers of a label (`further.rs`). Where more
+//! labels live than the work that is left allows (`effort.rs`), one pass keeps the most promising, which
 //! gives a schedule, and another lets a label that nearly dominates others absorb them, its resources
 //! lowered to theirs, which gives a bound (`pass.rs`).
 //!
-//! Limits: rules that link far times (seasons, gaps, memory, scan angles) are not known here. More than
-//! `MOST_PLACES` starts and lanes, or sessions over more than `MOST_DAYS` days, are left to the other
-//! searches.
+//! Limits: seasons, scan angles and logarithms are not known here, and for a bound gaps are not either. More
+//! than `MOST_PLACES` starts, lanes and last starts, or sessions over more than `MOST_DAYS` days, are left to
+//! the other searches (`size.rs`).
 
 mod size;
 mod items;
@@ -25,12 +26,11 @@ mod pass;
 
 use crate::progress::Progress;
 use effort::Effort;
-
 use pass::{Keep, pass};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) use further::Further;
 pub(super) use items::Items;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Comparisons of labels in one pass: some ten seconds.
 pub(super) const EFFORT: u64 = 20_000_000_000;

@@ -4,7 +4,8 @@
 //! before it is no worse in any resource. Starts that have left the window, and ends that have passed,
 //! are forgotten, which lets more labels dominate: every [`AGAIN`] items all are tested again.
 //!
-//! With [`Keep::Best`] the most valuable labels are kept, so the result is a schedule. With
+//! With [`Keep::Best`] labels of the largest prospects are kept (value less what a label uses of the time to
+//! come, at the relaxation's prices), so the result is a schedule. With
 //! [`Keep::Merged`] a label absorbs others of at most its value whose resources are at most a slack
 //! better, its own lowered to theirs; the slack is doubled until the rest fits. What is absorbed can do
 //! no more than what absorbed it, so the largest value at the end bounds every schedule.
@@ -14,7 +15,7 @@
 
 use super::columns::{Columns, Label};
 use super::effort::Effort;
-use super::items::{FREE, Item, Items, NEVER};
+use super::items::{FREE, Item, Items};
 use crate::progress::Progress;
 use std::cmp::Reverse;
 
@@ -32,7 +33,7 @@ const MANY_LINKS: usize = 1 << 22;
 /// What happens to labels beyond what the effort allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Keep {
-    /// The least valuable go.
+    /// Those of the least prospects go.
     Best,
     /// They are absorbed by others.
     Merged,
@@ -305,8 +306,13 @@ impl<'i> Front<'i> {
         let free = |place: usize| label.places[place] == FREE;
         let lane = self.items.classes[item.class].places.clone().last();
         let mut days = label.used.iter().zip(item.parts).take(self.items.days);
-        let data = if self.keep == Keep::Best { item.data.peak } else { item.data.left };
-        let holds = |size| label.used[self.items.fill()].saturating_add(data) <= size;
+        let holds = |size: i64| {
+            let held = label.used[self.items.fill()];
+            size >= match self.keep {
+                Keep::Best => held.saturating_add(item.data.peak),
+                Keep::Merged => held.saturating_sub(item.data.before).max(0) + item.data.left,
+            }
+        };
         lane.is_none_or(free)
             && self.items.count.checked_sub(1).is_none_or(free)
             && self.items.day_limit.is_none_or(|most| {
@@ -350,9 +356,11 @@ impl<'i> Front<'i> {
             *used = used.saturating_add(part);
         }
         if self.items.memory.is_some() {
-            let data = if self.keep == Keep::Best { item.data.all } else { item.data.left };
             let fill = &mut label.used[self.items.fill()];
-            *fill = fill.saturating_add(data);
+            *fill = match self.keep {
+                Keep::Best => fill.saturating_add(item.data.all).max(item.data.floor),
+                Keep::Merged => fill.saturating_add(item.data.left),
+            };
         }
         if let Some(heat) = &self.items.heat {
             let used = &mut label.used[self.items.first_line()..];
@@ -437,21 +445,14 @@ impl<'i> Front<'i> {
             let count = i32::try_from(times.partition_point(|it| *it <= until));
             count.map_or(i32::MAX, |count| count - 1)
         };
-        let earlier = |place: i32| {
-            let at = usize::try_from(-place).ok().and_then(|rank| starts.get(rank)).copied();
-            let from = at.unwrap_or(i64::MIN).saturating_sub(slack_ns);
-            i32::try_from(starts.partition_point(|it| *it < from)).map_or(0, |rank| -rank)
-        };
         for index in 0..self.labels.len() {
             let label = self.labels.get(index);
             let mut limit = label;
             for used in &mut limit.used {
                 *used = used.saturating_add(slack_ns);
             }
-            let (places, last) = limit.places.split_at_mut(items.last_starts);
-            for place in last.iter_mut().filter(|it| **it != NEVER) {
-                *place = earlier(*place);
-            }
+            // Last starts get no slack: bounds have gaps dualised.
+            let places = &mut limit.places[..items.last_starts];
             let (first, lanes) = places.split_at_mut(items.count);
             for place in first {
                 *place = later(starts, *place, left);

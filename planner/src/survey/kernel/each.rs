@@ -7,7 +7,7 @@ use super::lanes::times;
 use super::level::FINE;
 use super::pending::BATCH;
 use super::powers::Values;
-use crate::survey::clock::phase_at;
+use crate::survey::clock::plate_phase_at;
 use crate::survey::moment::Moment;
 use crate::survey::sums::Sums;
 use onboard_core::phase::{Phase, Rotor};
@@ -101,7 +101,7 @@ impl<const LANES: usize> Kernel<'_, LANES> {
 #[inline(never)]
 fn half_integer_plate(plate: Rotor, moment: Moment, first: u64, to: &mut Values<FINE>) {
     for k in 0..FINE {
-        let phase = phase_at(plate, first + k as u64);
+        let phase = plate_phase_at(plate, first + k as u64);
         let turned = phase.half().bits().wrapping_mul(i64::from(moment.twice_m()).cast_unsigned());
         let (sin, cos) = Phase::from_bits(turned).sin_cos();
         to[0][k] = cos;
