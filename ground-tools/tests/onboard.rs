@@ -21,8 +21,8 @@ use std::process::Command;
 const SECOND: i64 = 1_000_000_000;
 
 /// Sessions planned, and the events of flying through the whole validity in ticks of 10 s, each session
-/// checked an hour ahead.
-fn fly(tables: &Tables<'_>, telescope: u16) -> (usize, Vec<Event>) {
+/// checked so many hours ahead.
+fn fly(tables: &Tables<'_>, telescope: u16, ahead_h: i64) -> (usize, Vec<Event>) {
     let header = tables.header();
     let clock = ClockCorrelation {
         sequence: 1,
@@ -39,7 +39,7 @@ fn fly(tables: &Tables<'_>, telescope: u16) -> (usize, Vec<Event>) {
         tolerance: Duration::from_ns(1_000_000),
         passes_tolerance: 0,
         longest_gap: Duration::from_ns(20 * SECOND),
-        check_ahead: Duration::from_ns(3600 * SECOND),
+        check_ahead: Duration::from_ns(ahead_h * 3600 * SECOND),
         recheck_rad: 1e-6,
         steps_per_tick: 8,
     };
@@ -70,7 +70,12 @@ fn fly(tables: &Tables<'_>, telescope: u16) -> (usize, Vec<Event>) {
 
 /// Every session of a telescope is started, and none given up; how many there are.
 fn carried_out(tables: &Tables<'_>, telescope: u16, arguments: &[&str]) -> usize {
-    let (planned, events) = fly(tables, telescope);
+    checked(tables, (telescope, 1), arguments)
+}
+
+/// The same, each session checked so many hours ahead.
+fn checked(tables: &Tables<'_>, (telescope, ahead_h): (u16, i64), arguments: &[&str]) -> usize {
+    let (planned, events) = fly(tables, telescope, ahead_h);
     let lost = |it: &&Event| matches!(it, Event::Skipped(..) | Event::Aborted(..));
     let lost: Vec<_> = events.iter().filter(lost).collect();
     assert!(lost.is_empty(), "{arguments:?}, telescope {telescope}: {lost:?}");
@@ -159,6 +164,19 @@ fn what_is_planned_under_limits_is_flown() {
     assert!(fly_preset("litebird", &limits) > 50);
 }
 
+/// Hundreds of passes each, in a window of the mission; a check of Planck's takes 90 min of such ticks.
+#[test]
+fn sessions_of_slow_precession_are_flown() {
+    let folder = tempfile::tempdir().unwrap();
+    for (preset, from, least) in [("planck", "+31d", 3), ("core", "+30d", 2), ("pico", "+30d", 2)] {
+        let arguments = ["--mission", preset, "--from", from, "--until", "+8d"];
+        let bytes = plan(folder.path(), &arguments);
+        let tables = Tables::load(&bytes).unwrap();
+        let flown = checked(&tables, (0, 3), &arguments);
+        assert!(flown >= least, "{preset}: {flown} sessions");
+    }
+}
+
 /// Every preset under limits from 40 to 100 deg.
 #[test]
 #[ignore = "minutes: cargo test --test onboard -- --ignored"]
@@ -201,7 +219,7 @@ fn sessions_that_come_too_close_to_the_sun_are_skipped() {
     let avoided = SkipReason::Avoidance(SUN_AS_TARGET);
     let (mut planned, mut skipped) = (0, 0);
     for telescope in 0..3 {
-        let (sessions, events) = fly(&tables, telescope);
+        let (sessions, events) = fly(&tables, telescope, 1);
         let reasons = events.iter().filter_map(|event| match event {
             Event::Skipped(_, reason) => Some(*reason),
             _ => None,
