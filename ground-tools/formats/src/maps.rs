@@ -102,11 +102,7 @@ pub fn read_orientations(
         let sign = if name.eq_ignore_ascii_case(own) { 1.0 } else { -1.0 };
         functions.push(places.iter().map(|&at| Complex64::new(re[at], sign * im[at])).collect());
     }
-    let frame = match frame {
-        fits::MapFrame::Galactic => MapFrame::Galactic,
-        fits::MapFrame::Ecliptic | fits::MapFrame::Equatorial => MapFrame::Ecliptic,
-    };
-    Ok(OrientationMaps { nside, frame, hits, functions })
+    Ok(OrientationMaps { nside, frame: frame.into(), hits, functions })
 }
 
 /// Three columns of one moment, by pixel in the file's order.

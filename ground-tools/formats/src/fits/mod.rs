@@ -119,6 +119,16 @@ impl Polcconv {
     }
 }
 
+impl From<MapFrame> for planner::survey::MapFrame {
+    fn from(frame: MapFrame) -> Self {
+        match frame {
+            MapFrame::Ecliptic => Self::Ecliptic,
+            MapFrame::Galactic => Self::Galactic,
+            MapFrame::Equatorial => Self::Equatorial,
+        }
+    }
+}
+
 impl From<planner::survey::MapFrame> for MapFrame {
     fn from(frame: planner::survey::MapFrame) -> Self {
         match frame {

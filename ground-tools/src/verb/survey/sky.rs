@@ -5,7 +5,6 @@ use crate::failure::Failure;
 use formats::fits::{FitsError, Frames, MapFrame, StokesMap, read_stokes};
 use planner::healpix::Nside;
 use planner::mapmaking::{PolarisationConvention, Sky, SkyMap, map_bytes};
-use planner::survey::MapFrame as SurveyFrame;
 use std::path::Path;
 
 /// The sky asked for.
@@ -34,15 +33,10 @@ fn read(path: &Path, unsaid: Option<MapFrame>) -> Result<Sky, Failure> {
         }
         _ => failure.into(),
     })?;
-    let frame = match map.frame {
-        MapFrame::Galactic => SurveyFrame::Galactic,
-        MapFrame::Ecliptic => SurveyFrame::Ecliptic,
-        MapFrame::Equatorial => SurveyFrame::Equatorial,
-    };
     Sky::new(&SkyMap {
         nside: map.nside,
         ordering: map.ordering,
-        frame,
+        frame: map.frame.into(),
         convention: PolarisationConvention::Cosmo,
         stokes: [&map.i, &map.q, &map.u],
     })
